@@ -1,5 +1,5 @@
 // A thousand small worlds in the same place, searched in one call: bodies of different worlds never collide. Each world
-// has five rings in a box, as in a simulator that tries many starts at once.
+// has five rings in a box, as in a simulator that tries many initial states at once.
 
 #include <array>
 #include <cmath>

@@ -5,8 +5,9 @@
 //
 // Prints for every step of the solver the number of near pairs of features, the share of the step that is free of
 // impacts, the number of points held back to prevent impacts, and the number of pairs of triangles that intersect after
-// it. Exits with 1 unless the last one is always 0. Writes an animation if a file name is given. The solver is that of
-// scenes/; scenes/simulation/near_contact.cpp shows how it uses nearness and motion.
+// it. Exits with 1 unless the number of intersecting pairs is always 0. Writes an animation if a file name is given.
+// The solver is that of scenes/; scenes/simulation/near_contact.cpp shows how it uses queries about nearness and
+// motion.
 
 #include <cstdio>
 #include <cstdlib>

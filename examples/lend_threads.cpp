@@ -1,4 +1,4 @@
-// A host application that has threads of its own lends them to a detector, in place of oneTBB's.
+// An application that has threads of its own lends them to a detector, which then does not use those of oneTBB.
 
 #include <array>
 #include <condition_variable>

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::int64_t rows = 160, columns = 120;
 
-/// Block of rows of the sheet's quadrilaterals, two triangles each. The vertices between two blocks are in both.
+/// Block of rows of the sheet's quadrilaterals, two triangles each. Both of two adjacent blocks have the vertices on
+/// their common boundary.
 struct Block {
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::int32_t, 3>> triangles;

@@ -1,5 +1,5 @@
-// A robot arm among posts: checks many configurations in one call, except links that may touch, and counts those that
-// are free of collisions.
+// A robot arm among posts: checks many configurations in one call, and counts the configurations that are free of
+// collisions. Adjacent links of the arm may touch.
 //
 // The links of configuration c are bodies of world c; posts are in all worlds (-1). Shapes have names, so the detector
 // reads them once, and caches what it computes from them.

@@ -1,6 +1,6 @@
 #pragma once
 
-// Sine, cosine and angle that give the same bits everywhere, which the C library's do not promise.
+// Sine, cosine and angle that give the same bits on every machine, which the C library's functions do not promise.
 //
 // Angles are in turns, so that reduction to one period is exact. Errors are about 1e-14: a scene needs the same result
 // on every machine, not the last bit.
@@ -19,7 +19,7 @@ inline double cosine(double turns) {
     if (negative) x = 0.5 - x;
     const double y = -(2 * pi * x) * (2 * pi * x);
     double sum = 1;
-    for (int k = 20; k > 0; k -= 2) sum = 1 + sum * y / (k * (k - 1));  // Taylor, Horner's way
+    for (int k = 20; k > 0; k -= 2) sum = 1 + sum * y / (k * (k - 1));  // Taylor series, by Horner's method
     return negative ? -sum : sum;
 }
 
@@ -29,7 +29,7 @@ inline double sine(double turns) { return cosine(turns - 0.25); }
 inline double angle(double y, double x) {
     if (x == 0 && y == 0) return 0;
     const double length = std::sqrt(x * x + y * y);
-    double t = y / (length + std::abs(x));  // tangent of half the angle to the nearer half axis, at most 1
+    double t = y / (length + std::abs(x));  // tangent of half the angle to the nearer half of the x axis, at most 1
     for (int i = 0; i < 2; ++i) t = t / (1 + std::sqrt(1 + t * t));
     double sum = 0;
     for (int k = 19; k > 0; k -= 2) sum = 1.0 / k - t * t * sum;
@@ -44,7 +44,7 @@ inline Vec3d normalised(Vec3d a) {
     return l > 0 ? (1 / l) * a : a;
 }
 
-/// Rises from 0 to 1 as x goes from `low` to `high`, with slope 0 at both ends.
+/// Returns a number that rises from 0 to 1 as x goes from `low` to `high`, with slope 0 at both ends.
 inline double smooth_step(double low, double high, double x) {
     const double t = std::fmin(1, std::fmax(0, (x - low) / (high - low)));
     return t * t * (3 - 2 * t);

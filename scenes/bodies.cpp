@@ -1,5 +1,6 @@
-// Tumbling bodies, convex (balls, boxes) and not (rings), about 320 triangles each, every one a group of its own. They
-// drift through a cube that wraps around and pass through each other; at any time most meet one or two others.
+// Tumbling bodies, convex (balls, boxes) and not (rings), of about 320 triangles each; each body is a group. They drift
+// through a cube with periodic boundaries, and pass through each other; at any time most of them meet one or two
+// others.
 
 #include <algorithm>
 

@@ -1,10 +1,12 @@
-// A sheet of cloth sinks over a ball, gathers beneath it and crumples until its wrinkles pass through each other: the
-// look and the numbers of UNC Cloth on Ball, whose frame 92 has 92,230 triangles in 63,602 colliding pairs.
+// A sheet of cloth sinks over a ball, gathers beneath it and crumples until its wrinkles pass through each other. It
+// resembles the UNC benchmark Cloth on Ball in looks and numbers: frame 92 of that has 92,230 triangles and 63,602
+// colliding pairs.
 //
-// The sheet is a square grid with jittered vertices and random diagonals, in two steps: the drape, of one form at every
-// resolution (scenes/drape.h), then wrinkles laid along the drape's own normal in a belt around the ball. Wrinkles
-// measure a fixed number of grid cells, so that pairs per triangle depend little on the resolution (1.4 at 10,000
-// triangles, 0.7 at two million), and the ball is cut finer with the sheet.
+// The sheet is a square grid with jittered vertices and random diagonals. Its shape is made in two steps: first the
+// drape, which has the same form at every resolution (scenes/drape.h), then wrinkles, which displace vertices along the
+// normal of the drape in a belt around the ball. The size of a wrinkle is a fixed number of grid cells, so that the
+// number of colliding pairs per triangle depends little on the resolution (1.4 at 10,000 triangles, 0.7 at two
+// million). A finer sheet has a finer ball.
 
 #include "scenes/cloth.h"
 
@@ -25,11 +27,12 @@ constexpr double ball_share = 1.0 / 121;  // of all triangles
 
 // Lengths in grid cells.
 constexpr double jitter = 0.2;
-constexpr double wavelength = 20, wander = 20;     // of a wrinkle; size of its irregularities
-constexpr double rise = 1, swing = 2.3;            // of a wrinkle: height and sideways, in wavelengths / 2 pi
-constexpr double crumple_size = 6, crumple = 0.6;  // random dents on top: size and depth
+constexpr double wavelength = 20, wander = 20;     // length of a wrinkle; size of its irregularities
+constexpr double rise = 1, swing = 2.3;            // height and sideways swing of a wrinkle, in wavelengths / 2 pi
+constexpr double crumple_size = 6, crumple = 0.6;  // size and depth of random dents, added to wrinkles
 
-/// Vertices of the sheet by rows. Holds three rows at a time, as wrinkles depend on adjacent vertices.
+/// Generator of the sheet, row by row. Stores three rows of vertices at a time, because wrinkles depend on adjacent
+/// vertices.
 class Sheet {
    public:
     Sheet(int cells, double folded, std::uint64_t seed)
@@ -42,7 +45,7 @@ class Sheet {
     std::int64_t vertex_count() const { return std::int64_t{cells_ + 1} * (cells_ + 1); }
     /// Adds rows [begin, end) of vertices.
     void add_vertices(Soup& soup, int begin, int end);
-    /// Adds the triangles of rows [begin, end) of cells. The soup's first vertex is that of row `begin`.
+    /// Adds the triangles of rows [begin, end) of cells. The soup's vertices must begin with row `begin`.
     void add_triangles(Soup& soup, int begin, int end) const;
 
    private:
@@ -90,7 +93,7 @@ Vec3d Sheet::wrinkled(int i, int j) const {
 
     const Vec3d along_u = at(i + 1, j) - at(i - 1, j), along_v = at(i, j + 1) - at(i, j - 1);
     const Vec3d normal = normalised(cross(along_u, along_v));
-    const Vec3d across = normalised(u * along_v - v * along_u);  // around the axis
+    const Vec3d across = normalised(u * along_v - v * along_u);  // along circles around the vertical axis
     const double belt_wrinkles = std::floor(2 * pi * 11 / (wavelength * h) + 0.5);
     const double phase = belt_wrinkles * angle(v, u) + 0.1 * noise(seed_ + 2, u / (wander * h), v / (wander * h));
     const double unit = strength * wavelength * h / (2 * pi);
@@ -133,7 +136,7 @@ void Sheet::add_triangles(Soup& soup, int begin, int end) const {
     }
 }
 
-/// Adds a block. Returns how many vertices of the sheet precede it.
+/// Adds a block of the scene. Returns the number of the sheet's vertices that precede it.
 std::int64_t add_cloth(Soup& soup, const Parameters& parameters, int block, int blocks) {
     const auto triangles = static_cast<double>(parameters.triangles);
     const int cells = std::max(8, static_cast<int>(std::lround(std::sqrt(triangles * (1 - ball_share) / 2))));

@@ -14,11 +14,11 @@ void add_cloth(Soup& soup, const Parameters& parameters);
 /// Consecutive triangles of a scene, and the range of its vertices that they use.
 struct MeshBlock {
     io::TriangleMesh mesh;
-    std::int64_t first_vertex = 0;  ///< in the scene
+    std::int64_t first_vertex = 0;  ///< index in the scene
 };
 
-/// Makes one of `blocks` blocks of the scene `cloth` without the others. `parameters.triangles`: those of the whole
-/// scene.
+/// Makes one of `blocks` blocks of the scene `cloth` without making the others. `parameters.triangles`: number of
+/// triangles of the whole scene.
 MeshBlock cloth_block(const Parameters& parameters, int block, int blocks);
 
 }  // namespace crumple::scenes

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double width = 38.8, ball_radius = 5, ball_height = 6.5;
 constexpr double frame_time = 1.0 / 30;
-constexpr int steps = 30, contact_interval = 10;  // per frame; in steps
+constexpr int steps = 30, contact_interval = 10;  // steps per frame; steps per search for contacts
 constexpr double ball_share = 760.0 / 92'230;
 
 class ClothOnBall : public Simulation {
@@ -78,7 +78,7 @@ class ClothOnBall : public Simulation {
     }
 
    private:
-    // The ball stands still, gathers speed, and turns evenly.
+    // The ball stands still until `start`, turns faster and faster until `even`, and then turns at constant speed.
     static constexpr double start = 40 * frame_time, even = 55 * frame_time, top_speed = 3;
     static double speed(double time) { return top_speed * std::clamp((time - start) / (even - start), 0.0, 1.0); }
     static double turns(double time) {

@@ -1,6 +1,6 @@
-// Cutting: a sheet hangs from a rod that swings, and is torn from the sides, from below to above, into one long
-// ribbon, which falls on a ball and on the floor. The number of triangles grows from frame to frame, which a detector
-// that updates a hierarchy cannot handle ([MZ] sec. 2.1).
+// Cutting: a sheet hangs from a rod that swings. It is torn from the left and the right side in turn, from the bottom
+// to the top, into one long ribbon, which falls on a ball and on the floor. The number of triangles grows from frame to
+// frame, which a detector that only updates an existing hierarchy cannot handle ([MZ] sec. 2.1).
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double width = 12, rod_height = 17.5;
 constexpr double frame_time = 1.0 / 30;
-constexpr int steps = 20, contact_interval = 4;  // per frame; in steps
+constexpr int steps = 20, contact_interval = 4;  // steps per frame; steps per search for contacts
 constexpr double cloth_share = 0.96;
 constexpr int first_cut = 5, frames_of_a_cut = 14;
 constexpr double ball_radius = 2.5;
@@ -80,8 +80,8 @@ class Cutting : public Simulation {
     }
 
    private:
-    /// Returns the fabric at a frame: one cut after another, from below to above, from the left and from the right in
-    /// turn.
+    /// Returns the fabric at a frame. Cuts follow one after another, from the bottom to the top, from the left and from
+    /// the right in turn.
     CutFabric cut_at(int frame) const {
         std::vector<Cut> cuts;
         const double rows = width / (cuts_ + 1);

@@ -9,13 +9,13 @@ namespace crumple::scenes {
 namespace {
 
 constexpr int steps = 2048;
-constexpr double reach = 1.5 * Drape::half_width;  // beyond the sheet's corners
-constexpr double contact = 0.3;                    // where the sheet leaves the ball, turns from its top
-constexpr double bend = 1.2;                       // radius of the turn to the floor
-constexpr double folds = 9, fold_drift = 0.04;     // number; turns by which they lean per unit of distance
-constexpr double twist = 0.15;                     // turns by which the ball drags the middle of the sheet along
+constexpr double reach = 1.5 * Drape::half_width;  // arc length of the profile; beyond the sheet's corners
+constexpr double contact = 0.3;                    // angle at which the sheet leaves the ball, in turns from the top
+constexpr double bend = 1.2;                       // radius of the bend at the floor
+constexpr double folds = 9, fold_drift = 0.04;     // number of folds; change of phase per unit of distance, in turns
+constexpr double twist = 0.15;                     // rotation of the middle of the sheet by the ball, in turns
 
-/// Bessel function of the first kind by its power series, for 0 <= w <= 3.
+/// Returns the Bessel function of the first kind at w, by its power series, for 0 <= w <= 3.
 double bessel(int order, double w) {
     double term = 1, sum = 0;
     for (int i = 1; i <= order; ++i) term *= w / (2 * i);
@@ -33,7 +33,7 @@ Drape::Drape(double folded, double clearance, std::uint64_t seed) : stations_(st
     double slope = 0, radius = 0, height = ball_centre.z + ball, w = 0;
     for (int i = 0; i <= steps; ++i) {
         const double shortening = i > 0 ? radius / (i * step) : 1;
-        for (int k = 0; k < 20; ++k) {  // Newton: J0' = -J1
+        for (int k = 0; k < 20; ++k) {  // Newton's method for J0(w) = shortening; J0' = -J1
             w = std::clamp(w + (bessel(0, w) - shortening) / std::max(0.2, bessel(1, w)), 0.0, 2.2);
         }
         stations_[static_cast<std::size_t>(i)] = {radius, height, slope, bessel(1, w), bessel(2, w)};
@@ -59,7 +59,7 @@ Drape::Station Drape::at(double distance) const {
 Vec3d Drape::operator()(double u, double v) const {
     const double distance = std::sqrt(u * u + v * v), around = angle(v, u);
     const Station s = at(distance);
-    // One turn of phase is one fold; noise along the circle makes them differ.
+    // One turn of the phase is one fold. Noise along the circle makes the folds differ.
     const double uneven = 0.35 * noise(seed_, 2 * cosine(around), 2 * sine(around));
     const double phase = folds * around + uneven + fold_drift * distance;
     const double unit = folded_ * distance / (2 * pi * folds);

@@ -1,13 +1,14 @@
 #pragma once
 
-// The large shape of a square sheet that sinks over a ball: smooth, of the same form at every resolution.
+// Shape of a square sheet that sinks over a ball, without wrinkles: smooth, and of the same form at every resolution.
 //
-// A profile (radius, height), drawn out by arc length from the sheet's centre, follows the ball to where contact ends,
-// falls straight, turns to the floor and spreads. Turned about the axis it keeps lengths along the profile, not around
-// it: where its radius falls short of the arc length there is too much cloth, and that goes into radial folds. A fold
-// is a meander, a curve whose direction swings by an angle w about its course (Langbein and Leopold, 1966): it shortens
-// cloth by J0(w), rises by J1(w) and swings aside by J2(w), overhangs once w passes 1.57 and meets the next fold
-// at 2.2.
+// It is a surface of revolution with folds. Its profile is a curve (radius, height), parametrised by the arc length
+// from the sheet's centre: it follows the ball to where contact ends, falls straight, turns to the floor and spreads.
+// The surface of revolution preserves lengths along the profile, but not around the axis: where the radius is less than
+// the arc length, there is too much cloth, which goes into radial folds. A fold is a meander, a curve whose direction
+// oscillates about its course with an amplitude w in radians (Langbein and Leopold, 1966). J0(w) is the ratio of a
+// meander's extent to its length; its height is proportional to J1(w), and its swing to the side to J2(w) (Bessel
+// functions). A fold overhangs if w exceeds 1.57, and touches the next fold at 2.2.
 
 #include <vector>
 
@@ -16,7 +17,7 @@
 
 namespace crumple::scenes {
 
-/// Shape of a sheet of half width 13, from flat on top of the ball (folded = 0) to gathered beneath it (1).
+/// Shape of a sheet of half width 13: from flat on top of the ball (`folded` is 0) to gathered beneath it (1).
 class Drape {
    public:
     static constexpr double half_width = 13, floor = 0.2, ball_radius = 4;
@@ -32,7 +33,7 @@ class Drape {
     struct Station {
         double radius, height;
         double slope;        // in turns: 0 level, 1/4 straight down
-        double rise, swing;  // J1 and J2 of the meander that takes up the excess of cloth
+        double rise, swing;  // J1(w) and J2(w) of the fold that takes up the excess of cloth
     };
     Station at(double distance) const;
 

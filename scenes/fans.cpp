@@ -1,6 +1,6 @@
 // Coins as CAD systems triangulate them: both faces are fans of needles around one vertex, the edge is a strip of
-// slivers. A fan of valence n has n (n - 1) / 2 pairs of adjacent triangles, whose boxes nearly all overlap. The coins,
-// each a group, cross.
+// slivers. A fan of valence n has n (n - 1) / 2 pairs of adjacent triangles, whose boxes nearly all overlap. The coins
+// intersect each other; each coin is a group.
 
 #include <algorithm>
 

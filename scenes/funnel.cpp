@@ -14,7 +14,7 @@ namespace crumple::scenes {
 namespace {
 
 constexpr double frame_time = 0.01;
-constexpr int steps = 20, contact_interval = 10;  // per frame; in steps
+constexpr int steps = 20, contact_interval = 10;  // steps per frame; steps per search for contacts
 constexpr double cloth_share = 0.7824;
 constexpr double sheet_height = 0.9, ground = -1.5;
 

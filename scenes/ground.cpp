@@ -1,5 +1,6 @@
-// The cloth on a ground of two huge triangles, group 2, that cut through its hem: two elements that dwarf all others
-// spoil whatever an algorithm derives from the largest element or from the scene's extent.
+// The scene `cloth`, on a ground of two huge triangles (group 2) that cut through the hem of the sheet. Two triangles
+// that are so much larger than all others spoil every quantity that an algorithm derives from the largest triangle or
+// from the scene's extent, such as a cell size.
 
 #include "scenes/cloth.h"
 #include "scenes/drape.h"

@@ -1,8 +1,8 @@
-// Bodies that pass through themselves: tubes about a trefoil knot, too fat for it where its strands cross.
-// `knots` has many tumbling bodies, convex (balls, boxes) and not (rings, knots), of about 480 triangles each, every
-// one a group of its own: they meet each other, and knots meet themselves. `model` is one large body, a knot with a
-// wrinkled surface: one connected, closed mesh, like scanned and segmented models ([MZ] fig. 3 has some of 200,000
-// triangles), with few collisions.
+// Bodies that pass through themselves: tubes along a trefoil knot, which are so thick that they intersect themselves
+// where strands of the knot cross. The scene `knots` has many tumbling bodies, convex (balls, boxes) and not (rings,
+// knots), of about 480 triangles each; each body is a group. They intersect each other, and knots intersect themselves.
+// The scene `model` is one large body, a knot with a wrinkled surface: one connected, closed mesh, like scanned and
+// segmented models ([MZ] fig. 3 has some of 200,000 triangles), with few collisions.
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +19,8 @@ namespace {
 /// Radius of the tube. Strands cross at a distance of 2/3 of the knot's scale.
 constexpr double tube = 0.35;
 
-/// Adds a closed tube about the trefoil ((sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t) / 3): 2 along across triangles.
-/// `wrinkles`: depth of wrinkles in its surface, as a share of the tube's radius.
+/// Adds a closed tube along the trefoil knot (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t) / 3. It has 2 * along *
+/// across triangles. `wrinkles`: depth of wrinkles in its surface, as a fraction of the tube's radius.
 void add_knot(Soup& soup, int along, int across, double wrinkles, const Pose& pose) {
     std::int32_t first = -1;
     for (int i = 0; i < along; ++i) {
@@ -51,12 +51,12 @@ void add_knot(Soup& soup, int along, int across, double wrinkles, const Pose& po
 }  // namespace
 
 io::TriangleMesh make_model(const Parameters& parameters) {
-    constexpr double slenderness = 3.9;  // the tube's length divided by its girth
+    constexpr double slenderness = 3.9;  // length of the tube divided by its circumference
     const double half = 0.5 * static_cast<double>(parameters.triangles);
     const int across = std::max(8, static_cast<int>(std::lround(std::sqrt(half / slenderness))));
     const int along = std::max(30, static_cast<int>(std::lround(half / across)));
     Random random(parameters.seed);
-    const double turn = random.uniform();  // first, as compilers differ in the order of evaluating arguments
+    const double turn = random.uniform();  // evaluated first: the order of evaluating arguments is unspecified
     const Pose pose{.axes = rotation(random.direction(), turn)};
     Soup soup;
     soup.reserve(static_cast<std::int64_t>(along) * across, 2LL * along * across);

@@ -1,7 +1,7 @@
-// Exact contacts and degeneracies: triangles with integer corners, in cells that touch. The cells alternate: random
-// corners (which touch at points, cross edges, lie in one plane), stacks in one plane, duplicates by index and by
-// position, strips that fold back on themselves, and degenerate triangles (points, segments, repeated indices,
-// collinear corners).
+// Exact contacts and degeneracies: triangles with integer corners, in the cells of a grid, which touch. Five kinds of
+// cells alternate: triangles with random corners (which touch at points, cross at edges, or lie in one plane), stacks
+// of triangles in one plane, duplicates by index and by position, strips that fold back on themselves, and degenerate
+// triangles (points, segments, repeated indices, collinear corners).
 //
 // The grid starts at 2^28, where float32 holds only every 32nd integer: rounding to float32 would change the result.
 
@@ -44,11 +44,12 @@ class Cell {
         const std::array<int, 3> p{0, coordinate(), 1}, q{4, 3, coordinate()}, r{2, 0, 4};
         const std::int32_t a = vertex(p), b = vertex(q), c = vertex(r);
         for (int i = 0; i < cell_triangles / 2; ++i) {
-            triangle(i % 2 ? std::array{a, b, c} : std::array{b, a, c});  // either side up
+            triangle(i % 2 ? std::array{a, b, c} : std::array{b, a, c});  // both orientations
             triangle({vertex(p), i % 2 ? b : vertex(q), vertex(r)});
         }
     }
-    /// Adds triangles that each share an edge with the one before, and lie on top of it or beside it.
+    /// Adds a strip in one plane: each triangle shares an edge with the previous one, and lies on top of it or beside
+    /// it.
     void folded_strip() {
         const int height = random_.integer(cell_width + 1);
         const auto in_plane = [&] { return vertex({coordinate(), coordinate(), height}); };

@@ -1,6 +1,7 @@
 #pragma once
 
-// Functions that make or simulate the scenes. scenes.cpp lists them; each is in a file of its own or of its family.
+// Functions that make or simulate the scenes. scenes.cpp lists them. Each is in a source file of its own, or in one
+// with similar scenes.
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random numbers that are the same everywhere: SplitMix64 (Steele, Lea, Flood 2014) and values derived from it.
+// Random numbers that are the same on every machine: SplitMix64 (Steele, Lea, Flood 2014) and values derived from it.
 
 #include <cmath>
 #include <cstdint>
@@ -27,7 +27,7 @@ class Random {
     /// Returns a number in [0, 1).
     double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     double uniform(double low, double high) { return low + (high - low) * uniform(); }
-    /// Returns a number from 0 to count - 1.
+    /// Returns an integer from 0 to count - 1.
     int integer(int count) { return static_cast<int>((bits() >> 32) * static_cast<std::uint64_t>(count) >> 32); }
     Vec3d in_cube(double low, double high) {
         const double x = uniform(low, high), y = uniform(low, high);

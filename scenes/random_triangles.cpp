@@ -1,6 +1,7 @@
-// Independent random triangles in the unit cube: of equal size, of one long shape, of all sizes. The sizes shrink with
-// the number of triangles, so that each triangle's box always meets about as many others: 4 in the soup, and some 15
-// where sizes are uneven. A crumpled cloth has as many, so costs per overlap can be compared.
+// Independent random triangles in the unit cube: of equal size (`soup`), long and thin (`needles`), or of all sizes
+// (`five_decades`). Their sizes shrink as their number grows, so that the box of a triangle always overlaps about as
+// many others: 4 in `soup`, some 15 in the other scenes. In a crumpled cloth the numbers are similar, so costs per
+// overlap can be compared.
 
 #include <array>
 #include <cmath>
@@ -13,7 +14,8 @@
 namespace crumple::scenes {
 namespace {
 
-/// Returns the cube root of a number below 1 by Newton: std::cbrt may differ in its last bit between machines.
+/// Returns the cube root of a number below 1, by Newton's method, because the last bit of std::cbrt may differ between
+/// machines.
 double cube_root(double x) {
     double r = 1;
     for (int i = 0; i < 100; ++i) r -= (r - x / (r * r)) / 3;
@@ -32,7 +34,8 @@ double power_of_tenth(Random& random, int decades) {
     return power;
 }
 
-/// Adds a triangle of circumradius `size` whose corners lie about its centre; `width` squeezes it in one direction.
+/// Adds a triangle at a random place and in a random orientation: an equilateral triangle of circumradius `size`,
+/// scaled by `width` in one direction.
 void add_triangle(Soup& soup, Random& random, double size, double width) {
     const Vec3d centre = random.in_cube(0, 1);
     const Vec3d along = random.direction(), side = random.direction();

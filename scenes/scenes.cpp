@@ -14,8 +14,8 @@ namespace {
 
 struct Entry {
     Description description;
-    io::TriangleMesh (*make)(const Parameters&);                           // by formula,
-    std::unique_ptr<Simulation> (*simulate)(const Parameters&) = nullptr;  // or simulated
+    io::TriangleMesh (*make)(const Parameters&);                           // null for simulated scenes
+    std::unique_ptr<Simulation> (*simulate)(const Parameters&) = nullptr;  // null for all others
 };
 
 constexpr std::array entries{
@@ -43,8 +43,8 @@ constexpr std::array entries{
           simulate_cutting},
 };
 
-constexpr std::int64_t most_triangles = 500'000'000;  // three vertices each, counted in int32
-constexpr std::int64_t least_to_keep = 5'000;         // fewer are simulated as fast as they are read
+constexpr std::int64_t most_triangles = 500'000'000;  // up to three vertices each, whose indices must fit int32
+constexpr std::int64_t least_to_keep = 5'000;         // with fewer, simulating is as fast as reading
 
 [[noreturn]] void fail(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
 

@@ -2,8 +2,8 @@
 
 // Scenes for tests, benchmarks, examples and the command line, made by formula or simulated.
 //
-// A scene is the same, bit for bit, on every machine: it comes from its parameters through integer hashes and the four
-// operations and square root of IEEE arithmetic alone (scenes/arithmetic.h), without contraction.
+// A scene is the same, bit for bit, on every machine: it is computed from its parameters by integer hashes and by the
+// four operations and the square root of IEEE arithmetic only (scenes/arithmetic.h), without contraction.
 
 #include <cstdint>
 #include <functional>
@@ -24,12 +24,12 @@ struct Parameters {
 struct Description {
     std::string_view name;
     std::string_view summary;  ///< one line
-    std::int64_t triangles;    ///< default
+    std::int64_t triangles;    ///< default number
     int frames;                ///< 1: the scene does not move
     bool simulated = false;    ///< a frame needs all frames before it: seconds to minutes, unless they are cached
 };
 
-/// Returns every scene, in the order to list them in.
+/// Returns the descriptions of all scenes, in the order in which to list them.
 std::span<const Description> descriptions();
 
 /// Called while a scene is simulated, with the frame that has been reached and the requested one.
@@ -48,9 +48,9 @@ class Animation {
 
     const Description& description() const;
 
-    /// Returns a frame. From ten thousand triangles on, their number is within a tenth of the requested one; a smaller
-    /// number may be too few for a scene, which then has more. Throws Error (invalid_argument) for a frame that does
-    /// not exist.
+    /// Returns a frame. If at least ten thousand triangles are requested, the number of triangles is within a tenth of
+    /// that. A scene may need more triangles than a smaller requested number. Throws Error (invalid_argument) for a
+    /// frame that does not exist.
     io::TriangleMesh frame(int index);
 
    private:

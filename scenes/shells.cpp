@@ -1,5 +1,5 @@
-// Twelve concentric spheres that do not touch, each a group: closed, clean and smooth, without collisions. All their
-// boxes nest, and their centroids have the same mean.
+// Twelve concentric spheres that do not touch, each a group: closed, clean and smooth, without collisions. The boxes of
+// the spheres are nested, and the spheres have the same centre.
 
 #include <algorithm>
 #include <cmath>

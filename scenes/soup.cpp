@@ -53,7 +53,7 @@ void add_globe(Soup& soup, int slices, int stacks, const Pose& pose) {
 
 namespace {
 
-/// Vertices by integer position, so that faces which meet share them.
+/// Map of vertices by integer keys, so that adjacent faces share the vertices at their common edges.
 class Lattice {
    public:
     template <class Place>
@@ -70,7 +70,8 @@ class Lattice {
 }  // namespace
 
 void add_icosphere(Soup& soup, int cuts, const Pose& pose) {
-    // Corners are (0, ±1, ±g) and their rotations. Keys are sums of integers in place of coordinates: 2 stands for g.
+    // Corners are (0, ±1, ±g) and their cyclic permutations, g being the golden ratio. The key of a vertex is the sum
+    // of the face's corners times the vertex's integer weights, with 2 in place of g.
     const double golden = (1 + std::sqrt(5.0)) / 2;
     constexpr std::array<std::array<int, 3>, 12> corners{{{0, 1, 2},
                                                           {0, -1, 2},

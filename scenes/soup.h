@@ -17,12 +17,12 @@ class Soup {
     void reserve(std::int64_t vertices, std::int64_t triangles);
     /// Adds a vertex and returns its index.
     std::int32_t vertex(Vec3d position);
-    /// Adds a triangle. Takes one argument, so that vertices made in the call are made in order: braces guarantee that,
-    /// commas between arguments do not.
+    /// Adds a triangle. Has a single argument, so that calls of vertex() within the argument are made in order: C++
+    /// specifies the order of evaluation within braces, but not between arguments.
     void triangle(std::array<std::int32_t, 3> corners);
     /// Adds a triangle with vertices of its own.
     void triangle(Vec3d a, Vec3d b, Vec3d c);
-    /// Assigns this group to all triangles without one.
+    /// Assigns this group to all triangles that have none yet.
     void group(std::int32_t id) { mesh_.groups.resize(mesh_.triangles.size() / 3, id); }
     std::int64_t triangle_count() const { return mesh_.triangle_count(); }
     io::TriangleMesh take() { return std::move(mesh_); }
@@ -45,13 +45,13 @@ struct Pose {
 
 // Closed and watertight solids: adjacent triangles share vertices by index.
 
-/// Adds a unit sphere of meridians and parallels about z: 2 slices (stacks - 1) triangles.
+/// Adds a unit sphere of meridians and parallels about z, with 2 * slices * (stacks - 1) triangles.
 void add_globe(Soup& soup, int slices, int stacks, const Pose& pose);
-/// Adds a unit sphere made of an icosahedron with edges cut into `cuts` parts: 20 cuts² triangles.
+/// Adds a unit sphere, made of an icosahedron whose edges are cut into `cuts` parts: 20 cuts² triangles.
 void add_icosphere(Soup& soup, int cuts, const Pose& pose);
-/// Adds a box of half widths `half` with edges cut into `cuts` parts: 12 cuts² triangles.
+/// Adds a box of half widths `half`, whose edges are cut into `cuts` parts: 12 cuts² triangles.
 void add_box(Soup& soup, int cuts, Vec3d half, const Pose& pose);
-/// Adds a torus about z, a tube of radius `tube` about the unit circle: 2 around across triangles.
+/// Adds a torus about z, a tube of radius `tube` along the unit circle, with 2 * around * across triangles.
 void add_torus(Soup& soup, int around, int across, double tube, const Pose& pose);
 
 }  // namespace crumple::scenes

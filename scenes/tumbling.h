@@ -1,6 +1,6 @@
 #pragma once
 
-// Poses of rigid bodies that drift through a cube that wraps around, and turn evenly.
+// Poses of rigid bodies that drift through a cube with periodic boundaries, and turn at constant speed.
 
 #include <cmath>
 
@@ -10,15 +10,15 @@
 
 namespace crumple::scenes {
 
-/// Returns the axes of a rotation by `turns` about a unit vector.
+/// Returns the images of the x, y and z axes under a rotation by `turns` about the unit vector `axis`.
 inline std::array<Vec3d, 3> rotation(Vec3d axis, double turns) {
     const double c = cosine(turns), s = sine(turns);
     const auto rotate = [&](Vec3d p) { return c * p + s * cross(axis, p) + ((1 - c) * dot(axis, p)) * axis; };
     return {rotate({1, 0, 0}), rotate({0, 1, 0}), rotate({0, 0, 1})};
 }
 
-/// Returns the pose of a body at a frame. Its start, motion and scale, 0.7 to 1.3, come from the next numbers of
-/// `random`.
+/// Returns the pose of a body at a frame. The body's start, motion and scale (0.7 to 1.3) are the next numbers of
+/// `random`. `width`: of the cube.
 inline Pose tumbling(Random& random, double width, int frame) {
     const Vec3d start = random.in_cube(0, width), velocity = random.in_cube(-0.05, 0.05), axis = random.direction();
     const double time = frame, spin = random.uniform(-0.01, 0.01), turns = random.uniform() + spin * time;

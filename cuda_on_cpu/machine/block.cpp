@@ -52,7 +52,7 @@ struct Block::Thread {
     std::uint32_t mask = 0;  // lanes of the meeting it waits in; 0: the whole block
 };
 
-/// Fiber, reused for every block, and the CUDA thread that it runs in the current one.
+/// Fiber, which is reused for every block, and the CUDA thread that it runs in the current block.
 struct Block::Lane {
     Lane(Block* owner) : block(owner), fiber(&Block::live, this) {}
     Block* block;
@@ -61,9 +61,9 @@ struct Block::Lane {
     bool quit = false;
 };
 
-/// Group of threads that wait for one another: a whole block, or the lanes of a mask. Happens-before edges alternate
-/// between two objects, so that a thread that is slow to leave one meeting does not acquire the edges of threads that
-/// have already arrived at the next.
+/// Group of threads that wait for one another: a whole block, or the lanes of a mask. ThreadSanitizer's happens-before
+/// edges alternate between two objects, so that a thread that is slow to leave one meeting does not acquire the edges
+/// of threads that have already arrived at the next.
 struct Block::Meeting {
     Site site{};
     std::uint32_t mask = 0, arrived = 0;
@@ -132,8 +132,8 @@ void Block::run(const Kernel& kernel, LaunchEdges& edges, uint3 index) {
     check_shared();
 }
 
-/// Assigns a fiber to each thread of the block, another one than the same rank had in the previous block: to
-/// ThreadSanitizer a fiber is a thread, and accesses of one thread never race.
+/// Assigns a fiber to each thread of the block. A thread gets another fiber than the thread of the same rank in the
+/// previous block: to ThreadSanitizer a fiber is a thread, and accesses of one thread never race.
 void Block::prepare_lanes(const Kernel& kernel) {
     const unsigned wanted = thread_sanitizer ? size_ + warp_size : size_;
     if (fiber_count_ < wanted) {

@@ -107,7 +107,7 @@ class Block {
     Fiber* caller_ = nullptr;  ///< fiber that called run()
     Lane** fibers_ = nullptr;  ///< `fiber_count_` fibers, made so far
     unsigned fiber_count_ = 0, rotation_ = 0;
-    Lane** lanes_ = nullptr;          ///< by rank, of the current block
+    Lane** lanes_ = nullptr;          ///< by rank (index of a thread in its block), of the current block
     void** contributions_ = nullptr;  ///< by rank
     Warp* warps_ = nullptr;
     Meeting* barrier_ = nullptr;
@@ -123,7 +123,7 @@ class Block {
 };
 
 /// Orders memory across all threads of the device. To ThreadSanitizer a fence happens after every earlier fence, with
-/// or without an atomic access in between: CUDA requires a fence on both sides, and this is what is checked.
+/// or without an atomic access in between. CUDA requires a fence on both sides of the atomic; a missing one is found.
 void device_fence();
 
 /// Typed view of the contributions to a meeting.

@@ -1,7 +1,7 @@
 #pragma once
 
-// Common part of the functions of the runtime API: they run in one host thread at a time, fail if there is no device,
-// and store errors for cudaGetLastError.
+// Common part of the functions of the runtime API: only one host thread at a time runs any of them; they fail if there
+// is no device, and store errors for cudaGetLastError.
 
 #include <mutex>
 

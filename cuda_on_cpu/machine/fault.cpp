@@ -1,5 +1,5 @@
-// Explains segmentation faults in kernels on stderr. The signal handler may do only what is safe in one. It reads the
-// lists of allocations without a lock: the host waits while kernels run, so nobody changes them.
+// Explains segmentation faults in kernels on stderr. The signal handler neither allocates nor locks. It reads the lists
+// of allocations without a lock, which is safe because the host waits while kernels run, so nothing changes them.
 
 #include <signal.h>
 #include <unistd.h>

@@ -98,7 +98,7 @@ class Workers {
         launch.stride = 1;
         if (settings().order == Order::reverse) {
             launch.first = n - 1;
-            launch.stride = n - 1 + (n == 1);  // -1
+            launch.stride = n - 1 + (n == 1);  // -1 modulo n, or 1 if n is 1
         } else if (settings().order == Order::random) {
             launch.first = random_.below(n);
             do launch.stride = 1 + random_.below(n);

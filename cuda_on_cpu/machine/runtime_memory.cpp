@@ -86,8 +86,8 @@ cudaError_t enqueue_nothing(cudaStream_t handle) {
     return cudaErrorInvalidValue;
 }
 
-/// Enqueues a copy. Pageable memory is read, and written, before the call returns; so it is refused during a capture,
-/// whose graph runs later.
+/// Enqueues a copy. Pageable memory is read, or written, before the call returns. A graph runs later, so pageable
+/// memory is refused during a capture.
 cudaError_t enqueue_copy(Copy copy, cudaMemcpyKind kind, cudaStream_t handle) {
     if (copy.width == 0 || copy.height == 0) return enqueue_nothing(handle);
     ++work_count().copies;

@@ -8,8 +8,8 @@
 
 #include <cstddef>
 
-// The build defines CUDA_ON_CPU_ASAN for parts of the machine that are compiled without instrumentation if the rest has
-// it.
+// In builds with AddressSanitizer, some files of the machine are compiled without its instrumentation. The build
+// defines CUDA_ON_CPU_ASAN for them.
 #if !defined(CUDA_ON_CPU_ASAN)
 #if defined(__SANITIZE_ADDRESS__)
 #define CUDA_ON_CPU_ASAN

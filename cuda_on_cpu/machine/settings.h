@@ -1,6 +1,7 @@
 #pragma once
 
-// Settings of the machine, for tests: the order of threads, how lazy streams are, the properties of the device.
+// Settings of the machine, which is the emulated device and its runtime API, for tests: the order of threads, how lazy
+// streams are, the properties of the device.
 
 #include <cstddef>
 #include <cstdint>
@@ -43,11 +44,14 @@ struct Settings {
     int multiprocessors = 4;
     /// Number of allocations that succeed before one fails; later ones succeed again. Negative: none fails.
     int allocations_before_failure = -1;
-    /// Number of kernel launches that succeed before one fails, as above: a driver allocates memory for their stacks.
+    /// Number of kernel launches that succeed before one fails; later ones succeed again. Negative: none fails. On a
+    /// device a launch may fail because the driver allocates memory for the kernel's stacks.
     int launches_before_failure = -1;
-    /// Error that every call that needs the device returns, such as one that a failed kernel leaves for good.
+    /// Error that every call that needs the device returns, such as the error that a failed kernel leaves behind for
+    /// good.
     cudaError_t broken = cudaSuccess;
-    /// Runs a launch in place of the kernel's C++ and returns true, or does nothing and returns false.
+    /// Called for each launch, unless empty. It either runs the launch in place of the kernel's C++ and returns true,
+    /// or does nothing and returns false.
     std::function<bool(const Kernel&)> run_instead;
     /// Seconds for which all threads of a block may spin in __nanosleep before they count as deadlocked.
     double spin_seconds = 20;

@@ -71,7 +71,7 @@ bool forbids_legacy(const CUstream_st& blocking) {
     return blocking.capture && blocking.capture->mode != cudaStreamCaptureModeRelaxed;
 }
 
-/// Returns true if captures block the stream, and invalidates these.
+/// If captures make the stream unusable (is_blocked), invalidates these captures and returns true.
 bool legacy_meets_capture(const CUstream_st* stream) {
     if (!is_blocked(stream)) return false;
     for_each_blocking([](CUstream_st& other) {

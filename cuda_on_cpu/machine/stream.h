@@ -66,8 +66,8 @@ cudaError_t enqueue(cudaStream_t handle, Work work);
 /// Adds work that cannot be a node of a graph. During a capture it is refused, and invalidates the capture.
 cudaError_t enqueue_uncaptured(cudaStream_t handle, std::function<void()> run);
 
-/// True for the legacy stream while a blocking stream captures, unless in relaxed mode: the legacy stream would wait
-/// for that one, so it cannot be used.
+/// True for the legacy stream while a blocking stream captures, unless that capture is in relaxed mode. The legacy
+/// stream would wait for the blocking one, so it cannot be used.
 bool is_blocked(const CUstream_st* stream);
 
 /// Returns cudaSuccess if the host may wait, allocate, free or destroy a graph's executable now, in the mode of its
@@ -75,7 +75,7 @@ bool is_blocked(const CUstream_st* stream);
 cudaError_t leave_capture_alone();
 cudaError_t leave_capture_alone(cudaStreamCaptureMode mode);
 
-/// Does all pending work of a stream, or that up to and including a number.
+/// Does all pending work of a stream, or only the items up to and including the one with that number.
 void drain(CUstream_st* stream);
 void drain(CUstream_st* stream, std::uint64_t number);
 /// Does all pending work of all streams, in the order of the settings.

@@ -58,7 +58,7 @@ def main(picture="a_thousand_worlds.html"):
         print(f"{pairs_in_world:3} pairs of rings in {times:4} worlds {'#' * (times // 8)}")
     assert np.array_equal(counts > 0, hit)
 
-    # Some of them in one world, in a square grid, too far apart to collide.
+    # Copies some of the worlds into a single one, in a square grid, so far apart that they cannot collide.
     count = ACROSS * ACROSS
     few = worlds.poses[: count * RINGS].reshape(count, RINGS, 3, 4).copy()
     few[:, :, 0, 3] += 2 * SIDE * (np.arange(count) % ACROSS)[:, None]

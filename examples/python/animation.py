@@ -1,4 +1,4 @@
-"""Searches an animation with one detector for all frames, so that each call but the first is warm.
+"""Searches an animation with one detector for all frames, so that each call but the first is warm-started.
 
 python animation.py [PICTURE]          of the last frame
 """

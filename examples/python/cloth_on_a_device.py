@@ -6,8 +6,8 @@ step reach the host. Otherwise the same lines run on NumPy arrays and another ba
     launch   enqueues an ImpactQuery on the stream, and returns at once
     wait     returns the impacts, in device memory; `first` is the first one
 
-Vertices that would touch anything do not move in that step, until the step is free; so nothing ever passes through
-anything. The solver is no model of a fabric: springs along a grid, and gravity.
+Vertices that would touch anything do not move in a step. This is repeated until the step is free of impacts, so nothing
+ever passes through anything. The solver does not model a real fabric: it has springs along a grid, and gravity.
 
     python cloth_on_a_device.py [STEPS]
 """
@@ -24,7 +24,7 @@ try:
     xp.cuda.runtime.getDeviceCount()
     detector = crumple.Detector(backend="cuda")
     on_device = True
-except (ImportError, RuntimeError, crumple.BackendUnavailable):  # CUDA's errors are RuntimeErrors
+except (ImportError, RuntimeError, crumple.BackendUnavailable):  # CuPy's errors about CUDA are RuntimeErrors
     xp, detector, on_device = np, crumple.Detector(), False
 
 SIDE, SPACING, STEP = 25, 0.04, 1 / 120

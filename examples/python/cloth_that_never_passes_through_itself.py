@@ -3,11 +3,11 @@
 Each step of the simulation makes three queries:
 
     proximities  pairs that are near each other, and their closest points: such pairs push each other apart
-    impacts      features that would touch in the step nevertheless: their vertices move less far
-    free_step    the part of the remaining step that is free, with rounded positions: only this is a guarantee
+    impacts      pairs of features that would touch in the step nevertheless: their vertices move less far
+    free_step    the part of the remaining step that is free of impacts, with rounded positions: this is the guarantee
 
-Cloth, ball and floor are one mesh. The solver is position based dynamics (Müller et al. 2007): springs along the grid,
-in a few rounds per step. The program shows how to use the queries; it is no model of a fabric.
+Cloth, ball and floor are one mesh. The solver is position based dynamics (Müller et al. 2007), with springs along the
+grid and ROUNDS iterations per step. The program shows how to use the queries; it does not model a real fabric.
 
     python cloth_that_never_passes_through_itself.py [PICTURE [SECONDS]]      .gif: an animation; else the last frame
 """
@@ -60,7 +60,10 @@ def floor():
 
 
 def springs():
-    """Yields batches (i, j, rest length, stiffness), no vertex twice in a batch: along the grid, diagonal, bending."""
+    """Yields springs in batches (i, j, rest length, stiffness): along the grid, diagonal, bending.
+
+    No vertex is twice in a batch.
+    """
     number = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
     for di, dj, stiffness in ((1, 0, 1), (0, 1, 1), (1, 1, 0.5), (1, -1, 0.5), (2, 0, BENDING), (0, 2, BENDING)):
         first = number[: SIDE - di, max(0, -dj) : SIDE - max(0, dj)]
@@ -72,8 +75,8 @@ def springs():
 
 
 class Contacts:
-    """Pairs that keep their distance: the four vertices of each, their weights in the difference of the two closest
-    points, and the direction of that difference at the start of the step."""
+    """Pairs of features that are near each other. For each pair: its four vertices, the weights of these in the
+    difference of the two closest points, and the direction of this difference at the start of the step."""
 
     def __init__(self, near, faces, positions, movable):
         vertex, face = near.vertex_faces.T
@@ -145,7 +148,8 @@ class Simulation:
         self.velocity *= 1 - DRAG * seconds
         target = start + seconds * self.velocity
 
-        # Finds features that may come nearer than the thickness in this step; `impacts` finds those that are too fast.
+        # Finds features that may come nearer than the thickness in this step. Some are too fast for this radius; the
+        # query for impacts finds these.
         fastest = np.linalg.norm(self.velocity, axis=1).max() * seconds
         radius = THICKNESS + min(2 * fastest, THICKNESS)
         near = self.detector.proximities(start, self.faces, radius=radius, closest=True, **self.options)
@@ -158,7 +162,7 @@ class Simulation:
         self.velocity = (self.positions - start) / seconds
 
     def without_impacts(self, start, target):
-        """Returns positions that can be reached without impact: vertices that would hit something move half as far."""
+        """Returns positions that can be reached without impact: vertices that would hit something move half-way."""
         for _ in range(10):
             impacts = self.detector.impacts(start, target, self.faces, min_distance_share=0.1, **self.options)
             if not impacts:

@@ -1,8 +1,8 @@
 """Uses Crumple within the IPC Toolkit: the toolkit's own calls, with an exact broad phase and exact times.
 
-The IPC Toolkit lets Python derive a BroadPhase. The one in crumple.adapters.ipctk returns pairs that really come near,
-instead of pairs whose boxes overlap, so the narrow phase has almost nothing left to do. Other functions of the module
-compute exact times, instead of times with a margin before the contact.
+In the IPC Toolkit, Python classes can derive from BroadPhase. The class in crumple.adapters.ipctk returns only pairs
+that really come near each other, instead of pairs whose boxes overlap, so the narrow phase has almost nothing to do.
+Other functions of this module compute exact times of impact, instead of times with a margin before the contact.
 
     python ipc_toolkit.py
 """

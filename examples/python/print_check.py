@@ -14,7 +14,7 @@ from two_solids import torus
 
 
 def make_part(path):
-    """Writes a ring with a handle that was pushed into it instead of being united with it."""
+    """Writes a ring with a handle that overlaps the ring instead of being united with it."""
     vertices, faces = torus()
     handle = vertices * [0.45, 0.45, 1.2] + [1.5, 0.01, 0.02]
     crumple.write_mesh(path, (np.concatenate([vertices, handle]), np.concatenate([faces, faces + len(vertices)])))

@@ -31,7 +31,7 @@ ALLOWED = [(0, 1), (1, 2), (2, 3), (3, 4)]  # each link overlaps the next at its
 
 
 def arm(angles):
-    """Returns the boxes of table, base and links; each link is rotated about the y axis at the end of the last."""
+    """Returns the boxes of table, base and links; each link is rotated about y at the end of the previous one."""
     meshes = [BOX * [4, 4, 0.2] - [2, 0, 0.1], BOX @ np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]) * [0.5, 0.5, 0.8]]
     joint, direction = np.array([0, 0, 0.8]), 0.0
     for length, angle in zip((1.6, 1.4, 0.6), angles):

@@ -60,7 +60,7 @@ def turned(axis, angles):
 
 
 def arm(angles):
-    """Returns (k, links, 3, 4) poses: the first link rotates about z, each other about y at the end of the last."""
+    """Returns (k, links, 3, 4) poses: the first link turns about z, each other about y at the end of the one before."""
     poses = np.empty((len(angles), len(LINKS), 3, 4))
     frame = turned(2, angles[:, 0])
     for i, length in enumerate(LENGTHS.values()):

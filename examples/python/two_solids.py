@@ -11,7 +11,7 @@ import crumple
 
 
 def torus(around=96, across=48, tube=0.55):
-    """Returns a torus about the z axis, of quadrilaterals cut in two."""
+    """Returns a torus about the z axis; each of its quadrilaterals is cut into two triangles."""
     u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
     alpha, beta = 2 * np.pi * u / around, 2 * np.pi * v / across
     radius = 1 + tube * np.cos(beta)
@@ -39,7 +39,7 @@ def count_curves(segments):
 
 def main(picture="two_solids.html"):
     vertices, faces = torus()
-    upright = vertices[:, [0, 2, 1]] + [1.1, 0.03, 0.05]  # the other ring of the chain, too thick to pass through
+    upright = vertices[:, [0, 2, 1]] + [1.1, 0.03, 0.05]  # the next link of the chain, too thick for the first one
 
     result = crumple.Detector().intersections((vertices, faces), (upright, faces), output="contacts")
 

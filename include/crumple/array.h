@@ -177,8 +177,8 @@ class Array {
         std::swap(meter_, other.meter_);
     }
     void grow(std::size_t wanted) {
-        // Grows by half, so that frames of slowly increasing size do not allocate each time; under a memory limit, only
-        // to the requested capacity.
+        // Grows by at least half, so that frames of slowly increasing size do not allocate each time; under a memory
+        // limit, only to the requested capacity.
         const bool tight = meter_ && meter_->limit > 0;
         const std::size_t capacity = tight ? wanted : std::max(wanted + wanted / 8, capacity_ + capacity_ / 2);
         if (capacity > static_cast<std::size_t>(PTRDIFF_MAX) / sizeof(T)) throw std::bad_alloc();

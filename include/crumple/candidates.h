@@ -38,7 +38,8 @@ struct CandidateQuery {
 
     /// Kinds to list: at least one, in any order.
     std::vector<CandidateKind> kinds{CandidateKind::vertex_face, CandidateKind::edge_edge};
-    /// Inflation of each box: finite, 0 or more; in the units of the coordinates. Not rounded.
+    /// Distance by which each box is widened on all sides: finite, 0 or more; in the units of the coordinates. Not
+    /// rounded.
     double inflation = 0;
     bool weld = false;  ///< vertices with equal positions at start and end count as one common vertex
     PairFilter filter = {};

@@ -1,7 +1,7 @@
 #pragma once
 
-// The API of the target crumple::crumple. Files have headers of their own (crumple/io.h, crumple/io_features.h), and so
-// has MPI (crumple/mpi.h).
+// The API of the target crumple::crumple. Reading and writing of files has headers of its own (crumple/io.h,
+// crumple/io_features.h), and so has MPI (crumple/mpi.h).
 
 #include "crumple/array.h"
 #include "crumple/candidates.h"

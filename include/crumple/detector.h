@@ -29,7 +29,7 @@ namespace crumple {
 /// True if `Query` is one of the types `Of`.
 template <class Query, class... Of>
 concept OneOf = (std::same_as<Query, Of> || ...);
-/// Queries whose result has one row per pair, and that search parts (Detector::partition).
+/// Queries that can be made about one part of a scene (Detector::partition).
 template <class Query>
 concept PairQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>;
 /// Queries that Detector::any takes.
@@ -48,7 +48,8 @@ class LaunchTicket;
 /// Searches scenes, exactly and completely. The type of the query selects what is searched for and the type of the
 /// result: IntersectionQuery (the default), ImpactQuery, FirstImpactQuery, FreeStepQuery, ProximityQuery,
 /// CandidateQuery, DistanceQuery, OverlapQuery. A detector caches buffers and cluster centres between calls, so one
-/// detector for all frames of a simulation is faster than a new one per frame; the topology may change freely.
+/// detector for all frames of a simulation is faster than a new one per frame. The topology may change from frame to
+/// frame.
 ///
 /// A detector is used by one thread at a time; different detectors may work at the same time. Results are references to
 /// data of the detector, valid until its next call, move or destruction. Every call throws crumple::Error on bad input,
@@ -69,68 +70,78 @@ class CRUMPLE_API Detector {
 
     /// Finds everything that the query describes.
     ///
-    /// Worlds: a body whose shape is named costs next to nothing while it is clear of others, and for Output::any,
-    /// any_by_world and body_pairs the search of such bodies stops at the first hit where possible. One body with
-    /// Body::self has the rows of its mesh. The cuda backend uploads posed bodies in each call and searches many worlds
-    /// at once; if the poses are in device memory (World::device_poses), the bodies stay cached on the device and only
-    /// the poses are read anew. For queries about features, arrays of a world must be in host memory, except for poses.
-    /// For all queries but intersections, two meshes are handled as a world of two bodies.
+    /// Worlds: in searches for intersections, a body whose shape has a name (Shape::name) and whose box overlaps no
+    /// other body's box costs one box test; for Output::any, any_by_world and body_pairs, the search between two such
+    /// bodies stops at the first hit. A world of one body with Body::self has the same rows as the body's mesh. The
+    /// cuda backend uploads posed bodies in each call and searches many worlds at once; if the poses are in device
+    /// memory (World::device_poses), the bodies stay cached on the device and only the poses are read anew. For queries
+    /// about features (vertices, edges and faces: impacts, first impacts, free steps, proximities and candidates), the
+    /// arrays of a world other than its poses must be in host memory. For all queries but intersections, two meshes are
+    /// handled as a world of two bodies.
     ///
     /// Meshes in device memory: all arrays, including those of the query, must be in the memory of the mesh. For
-    /// queries about features, triangles and codimensional edges and points are downloaded once, and again whenever
-    /// they change. All arrays are downloaded in each call with `weld`, triangle pairs, a free step, closest points,
-    /// least distances, or a filter of groups together with codimensional edges or points.
+    /// queries about features, triangles and codimensional edges and points (MeshView::edges and MeshView::points) are
+    /// downloaded once, and again whenever they change. All arrays are downloaded in each call that uses `weld`,
+    /// triangle pairs, a free step, closest points, least distances, or a filter of groups together with codimensional
+    /// edges or points.
     ///
-    /// Parts: returns the rows of the whole result that the part owns, with the ids of the meshes, in the same order;
-    /// exactly one part owns each row. Costs as much as a mesh of the part's size. Offsets, hit flags and least
-    /// distances are indexed by position in the part's lists: offsets[i] belongs to triangle part.mesh.ids[i]. `first`
-    /// and `any` are those of the part; edges and points are empty, as the part has its own (PartFeatures). A part that
-    /// did not come from partition() is validated; an Error then counts vertices and triangles within the part.
+    /// Parts: returns those rows of the whole scene's result that the part owns, in the same order; exactly one part
+    /// owns each row. Rows have the indices of the whole meshes. Costs as much as a mesh of the part's size. Offsets,
+    /// hit flags and least distances are indexed by position in the part's lists: offsets[i] belongs to triangle
+    /// part.mesh.ids[i]. `first` and `any` are those of the part; edges and points are empty, as the part has its own
+    /// (PartFeatures). A part that did not come from partition() is validated; an Error then counts vertices and
+    /// triangles within the part.
     ///
-    /// Throws Error (invalid_argument) where supports() is false.
+    /// Throws Error (invalid_argument) if supports() is false for the scene and the query.
     template <AnyQuery Query = IntersectionQuery>
     const typename Query::Result& find(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
 
-    /// True if find() takes queries of this type about this scene: depends on the kind of scene, its memory, and the
-    /// backend (table in docs/supported.md). Of the query's options only IntersectionQuery::containment matters. Reads
-    /// no arrays and does not check sizes.
+    /// True if find() takes queries of this type about this scene. The result depends on the kind of scene, its memory,
+    /// and the backend (table in docs/supported.md), and on no option of the query but IntersectionQuery::containment.
+    /// Reads no arrays and does not check sizes.
     template <AnyQuery Query = IntersectionQuery>
     bool supports(const Scene& scene, const Query& query = {}) const;
 
     /// True if find() would find anything. Stops at the first pair found; the cuda backend finds many at a time.
-    /// Ignores Query::output. A step without an impact is free.
+    /// Ignores Query::output. If the result for an ImpactQuery is false, the step is free.
     template <FlagQuery Query = IntersectionQuery>
     bool any(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
 
     /// Calls `take(block)` with one block of the result after another, for results that exceed memory, and returns the
-    /// statistics of the call. A block is valid until `take` returns. For intersections, impacts, proximities and
-    /// candidates, with the cpu and the reference backend, of scenes in host memory that are not parts.
+    /// statistics of the call. A block is valid until `take` returns. Only the cpu and the reference backend support
+    /// this call. The scene must be in host memory and must not be a part.
     ///
-    /// A block has `block_rows` (1 to 2^40) rows of all its lists together (the last block fewer), with their bodies,
-    /// and contacts if these are requested. For worlds and features, `count` is the number of rows up to and including
-    /// this block. Edges and points are those of the whole result. Everything else is empty: offsets, flags, first
-    /// impact. All blocks together have the rows of the whole result, world by world, but leaf by leaf within a world.
-    /// This order does not depend on threads; like the leaves, it depends on the memory limit and on earlier calls.
+    /// A block has `block_rows` (1 to 2^40) rows, counted over all its lists; the last block may have fewer. Rows have
+    /// their bodies, and their contacts if these are requested. For one or two meshes and an IntersectionQuery, `count`
+    /// is the number of rows of the block; otherwise it is the number of rows delivered so far, those of this block
+    /// included. Edges and points are those of the whole result. Everything else is empty: offsets, flags, first
+    /// impact. All blocks together have the rows of the whole result. Worlds are in order, but the rows of a world come
+    /// leaf by leaf (a leaf is a small cluster of triangles that is searched as a unit), not sorted by feature or
+    /// triangle. This order does not depend on threads; like the leaves, it depends on the memory limit and on earlier
+    /// calls.
     ///
-    /// Memory: that of find() without its lists, plus about three blocks; a memory limit means one thread. Cost: that
-    /// of find(); for features of several worlds, each world's scene is prepared twice. Any thread of the detector may
-    /// call `take`, one at a time. `take` must not call this detector; an exception that it throws ends the call, as a
-    /// stop does, after some blocks have been delivered. Throws Error (invalid_argument) for options that blocks do not
-    /// support: `index`, `triangle_pairs`, `least`, and less output than pairs.
+    /// Memory: that of find() without its lists, plus about three blocks. Under a memory limit the search runs on one
+    /// thread. Cost: that of find(); for queries about features of several worlds, each world's scene is prepared
+    /// twice. Any thread of the detector may call `take`, one at a time. `take` must not call this detector; an
+    /// exception that it throws ends the call, and so does a stop; some blocks may have been delivered by then. Throws
+    /// Error (invalid_argument) for options that blocks do not support: `triangle_pairs`, `least`, `index` of queries
+    /// about features, and less output than pairs.
     template <RowQuery Query = IntersectionQuery>
     Statistics stream(const Scene& scene, const Query& query,
                       FunctionRef<void(const typename Query::Result& block)> take,
                       std::int64_t block_rows = std::int64_t{1} << 18, std::stop_token stop = {});
 
     /// Cuts a scene of one mesh, or of two for intersections, into `count` (1 to 262,144) parts for queries of this
-    /// type: intersections, impacts or proximities. Depends on the arguments only, so machines that have the same
-    /// meshes make the same parts. Parts for queries about features are limited to the distance, the radii, the rest
-    /// shape, the rings and the welding of this query; they are about twice as large, and do not support triangle
-    /// pairs. For intersections the members of the query do not matter.
+    /// type: intersections, impacts or proximities. The parts depend on the arguments only, so machines that have the
+    /// same meshes make the same parts. A part for impacts or proximities contains the query's radii and rest shape; it
+    /// can be searched only with the same `weld` and `rings`, and with distances up to those of this query. It takes
+    /// about twice as much memory as a part for intersections, and does not support triangle pairs. For intersections
+    /// the members of the query do not matter.
     ///
-    /// For intersections, meshes in device memory are downloaded first; for features meshes must be in host memory.
-    /// Cost: O(triangles times 64) per level, on all threads of the cpu backend, and the copies. The memory limit does
-    /// not count parts and the memory to make them. A stop is ignored once the meshes have been read.
+    /// For intersections, meshes in device memory are downloaded first; for impacts and proximities, meshes must be in
+    /// host memory. Cost: up to 64 distances for each triangle and level (PartLevel), on all threads of the cpu
+    /// backend, and the copies of the triangles. Parts, and the memory to make them, are not counted by the memory
+    /// limit. A stop has no effect after the meshes have been read.
     template <PairQuery Query = IntersectionQuery>
     std::vector<Part> partition(const Scene& scene, const Query& query, int count, std::stop_token stop = {});
 
@@ -146,9 +157,10 @@ class CRUMPLE_API Detector {
         return spare;
     }
 
-    /// Calls `poll` about every 20 ms during a call, in the thread that made the call; not in shorter calls. An
-    /// exception from `poll` ends the call and is rethrown; the detector stays usable. `poll` must not call this
-    /// detector. For languages that must handle signals in the calling thread. An empty function stops polling.
+    /// Sets a function that each later call of the detector calls about every 20 ms, in the thread that made the call;
+    /// calls that take less time do not call it. An exception from `poll` ends the call and is rethrown; the detector
+    /// stays usable. `poll` must not call this detector. Meant for bindings to languages that must handle signals in
+    /// the calling thread. An empty function stops polling.
     void set_poll(std::function<void()> poll);
 
     /// Starts a query on arrays in device memory and returns at once; wait() of the ticket returns the result:
@@ -156,38 +168,39 @@ class CRUMPLE_API Detector {
     ///     auto launched = detector.launch(mesh.moving_to(end), ImpactQuery());
     ///     const DeviceImpacts& impacts = launched.wait();
     ///
-    /// Takes intersections of meshes and of worlds with World::device_poses, and impacts, proximities and candidates of
-    /// one mesh. Only with the cuda backend. Runs on the stream of the (first) mesh or of the poses; all arrays,
-    /// including those of the query, must be ready on that stream. Consecutive frames of the same sizes run as one CUDA
-    /// graph each, after which the host reads one struct of counters. Arrays must stay unchanged until the
-    /// corresponding wait() returns, shapes and bodies of a world until launch() returns.
+    /// Supports intersections of meshes and of worlds with World::device_poses, and impacts, proximities and candidates
+    /// of one mesh; with the cuda backend only. Runs on the stream of the (first) mesh or of the poses; all arrays,
+    /// including those of the query, must be ready on that stream. A launch with arrays of the same sizes as the
+    /// previous one runs as a single CUDA graph, after which the host reads one struct of counters. Arrays must stay
+    /// unchanged until the corresponding wait() returns, shapes and bodies of a world until launch() returns.
     ///
     /// At most two launches of any kind may be in flight, on one stream or two; wait for them in their order. A third
-    /// throws Error (invalid_argument) and leaves them in flight. Launches share lists on the device, so they run one
-    /// after the other. Any other call of the detector, except those of tickets, first completes the launches in flight
-    /// and discards their results.
+    /// throws Error (invalid_argument) and leaves them in flight. Launches share scratch lists on the device, so the
+    /// device runs one after the other. Any other call of the detector, except those of tickets, first completes the
+    /// launches in flight and discards their results.
     ///
     /// On a stream that is being captured, the query becomes part of the caller's graph, and each replay repeats the
     /// query on the current contents of the arrays. First make two calls outside of the capture, with the same query
     /// and with meshes of the same sizes, or the same bodies: they allocate the lists. Without them launch() throws
     /// Error (invalid_argument), and the capture goes on. Lists cannot grow in a replay; wait() then reports an
     /// incomplete result. The graph may be replayed until the next call of the detector (except those of the ticket),
-    /// which may move or free memory that the graph uses; no call may be made during a replay. One launch per capture
-    /// and detector; the streams of two meshes both take part.
+    /// which may move or free memory that the graph uses; no call may be made during a replay. A capture can hold only
+    /// one launch of each detector. The streams of two meshes must take part in the same capture.
     ///
-    /// Features: a launch waits for the stream if it is the first for a mesh, or if the number of vertices, triangles,
-    /// codimensional edges or points has changed, because the host has to find the edges. wait() does so if it turns
-    /// out that triangles or lists have changed; in a capture, where the features are fixed, the result is then
-    /// incomplete. Throws Error (invalid_argument) for options for which find() downloads all arrays. `index` does not
-    /// matter.
+    /// Queries about features: a launch waits for the stream if it is the first for a mesh, or if the number of
+    /// vertices, triangles, codimensional edges or points has changed, because the host then has to download the
+    /// triangles and find the edges. If triangles, or codimensional edges or points, have changed in content but not in
+    /// number, wait() downloads them and repeats the search; after a launch in a capture, where the features are fixed,
+    /// the result is incomplete instead. Throws Error (invalid_argument) for the options for which find() downloads all
+    /// arrays in each call. Ignores `index`.
     ///
-    /// Worlds: bodies, shapes and the filter are read and uploaded if they have changed since the previous call (a
-    /// named shape is compared by its name and groups, another by its contents in each call). Such a call takes as long
-    /// as a first one; other calls are one CUDA graph. All worlds are one scene: at most 65,535 worlds with two or more
-    /// triangles, and if there are several, at most 2^24 triangles in total, where bodies that are in all worlds count
-    /// in each. Throws Error (invalid_argument) for more, which find() takes; for Output::body_pairs and for `index`.
-    /// Cost: that of a mesh with the triangles of all worlds, whatever the output; the host compares bodies in some
-    /// nanoseconds each.
+    /// Worlds: each call compares bodies, shapes and the filter with those of the previous call (a named shape by its
+    /// name and groups, an unnamed one by its contents), and uploads them if they have changed. A call that uploads
+    /// takes as long as a first one; any other call is one CUDA graph. All worlds are one scene: at most 65,535 worlds
+    /// with two or more triangles, and if there are several, at most 2^24 triangles in total, where bodies that are in
+    /// all worlds count in each. Throws Error (invalid_argument) if there are more (find() has no such limit), for
+    /// Output::body_pairs, and for `index`. Cost: that of a mesh with the triangles of all worlds, whatever the output;
+    /// the host compares bodies in some nanoseconds each.
     template <RowQuery Query = IntersectionQuery>
     LaunchTicket<Query> launch(const Scene& scene, const Query& query = {});
 
@@ -214,23 +227,25 @@ template <RowQuery Query>
 class CRUMPLE_API LaunchTicket {
    public:
     /// Waits for the launch and returns its complete result, in device memory. Throws Error on bad input, with a
-    /// message that names the body. If a list was too short, grows it and runs the query again. Also does steps that
-    /// only the host can do. The result is valid until the second launch after this one, or the detector's next call
-    /// that is neither a launch nor one of a ticket. (If memory, or Options::memory_limit, cannot hold two results:
-    /// until the next launch or wait().) Throws Error (memory_limit or device) if memory cannot hold all worlds at
-    /// once.
+    /// message that names the body. If a list was too short, grows it and runs the query again. Decides on the host
+    /// what the device cannot decide, such as cases that need rational arithmetic. The result is valid until the second
+    /// launch after this one, or the detector's next call that is neither a launch nor one of a ticket. (If memory, or
+    /// Options::memory_limit, cannot hold two results: until the next launch or wait().) Throws Error (memory_limit or
+    /// device) if memory cannot hold all worlds at once.
     ///
     /// After a launch in a capture: returns the result of the last replay, whose stream the caller has synchronized;
-    /// valid until the next replay. Does not rerun an overflowed query (see `complete`): a call outside of a capture
-    /// grows the lists, for a new capture. May be called again after each replay, also after bad input.
+    /// valid until the next replay. If a list was too short, does not run the query again, and sets `complete` of the
+    /// result to false; a call outside of a capture then grows the lists, for a new capture. May be called again after
+    /// each replay, also after bad input.
     ///
     /// Throws Error (invalid_argument), and leaves launches in flight, if an older launch is in flight; if this launch
     /// has been waited for before, successfully or not; if another call has ended it; and in a capture if there was no
-    /// replay since the capture or the last wait(). Bad input of one launch leaves the other in flight; an Error
-    /// (memory_limit or device) ends both. A stop that was requested before the call leaves this launch in flight.
+    /// replay since the capture or the last wait(). If wait() throws because of bad input of its launch, the other
+    /// launch stays in flight; an Error (memory_limit or device) ends both. A stop that was requested before the call
+    /// leaves this launch in flight.
     const typename Query::DeviceResult& wait(std::stop_token stop = {}) const;
 
-    /// Downloads the intersections of meshes that wait() has returned. The result is valid as long as one of
+    /// Downloads the intersections of meshes that the last wait() has returned. The result is valid as long as one of
     /// Detector::find. Throws Error (invalid_argument) if there was another call or launch since that wait().
     const Intersections& download() const requires std::same_as<Query, IntersectionQuery>;
 

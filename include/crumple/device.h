@@ -10,7 +10,7 @@ namespace crumple {
 
 /// Device that the cuda backend can use.
 struct DeviceInfo {
-    int number = 0;  ///< Options::device
+    int number = 0;  ///< number of the device for Options::device
     std::string name;
     int major = 0, minor = 0;       ///< compute capability
     std::int64_t memory_bytes = 0;  ///< total memory of the device

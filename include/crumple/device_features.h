@@ -11,10 +11,10 @@
 namespace crumple {
 
 // Results about features in device memory (Detector::launch). Lists have the order and the numbering of the results in
-// host memory (Impacts, Proximities, Candidates), which define pairs, edges and points. Comments at pointers begin with
-// the length of the array.
+// host memory (Impacts, Proximities, Candidates), where pairs, edges and points are explained. The comment at a pointer
+// begins with the length of the array.
 
-/// Impacts of one kind. Pointers are null if there are none.
+/// Impacts of one kind. If there are none, the pointers are null.
 struct DeviceImpactList {
     std::int64_t count = 0;
     const Pair* pairs = nullptr;          ///< count
@@ -44,7 +44,7 @@ struct DeviceFeatures {
     /// Number of rows of all lists; if the result is incomplete, the number found so far, a lower bound.
     std::int64_t rows_needed = 0;
     std::int64_t count = 0;  ///< number of rows of all lists
-    /// edge_count; the edges that indices refer to, valid while the triangles stay the same.
+    /// edge_count; the edges that indices in pairs refer to. Valid while the triangles stay the same.
     const Edge* edges = nullptr;
     std::int64_t edge_count = 0;
     Statistics statistics;

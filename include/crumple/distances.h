@@ -44,7 +44,7 @@ struct Distances {
     Array<Pair> triangles;         ///< the first pair of triangles at that distance, indices within their bodies
     /// Closest points of these triangles: one of the first body and one of the second, exact, then rounded to the
     /// nearest numbers. If the triangles intersect: the lexicographically smallest point of the intersection, twice. If
-    /// several pairs of points are closest: those of the first features, in the order of docs/nearest.md.
+    /// several pairs of points are equally close: those of the first pair of features, in the order of docs/nearest.md.
     Array<std::array<std::array<double, 3>, 2>> points;
 
     /// For `nearest`, per world: its row, or -1 if no pair of its bodies is within the radius. The nearest pair is the

@@ -1,7 +1,8 @@
 #pragma once
 
-// One scene on several ranks, i.e. MPI processes (crumple/mpi.h): each provides local triangles or bodies, and gets the
-// rows of the result that belong to them. docs/distributed.md
+// Input, options and results of searches of one scene that is distributed over several ranks, i.e. MPI processes
+// (crumple/mpi.h). Each rank provides local triangles or bodies, and gets the rows of the result that belong to them.
+// docs/distributed.md describes the method.
 
 #include <array>
 #include <cstdint>
@@ -21,13 +22,15 @@ namespace crumple {
 /// unchanged until the call returns.
 ///
 /// Over all ranks triangles are numbered 0 to N - 1, each exactly once, and vertices 0 to V - 1. Several ranks may have
-/// the same vertex (ghost vertices), which makes their triangles adjacent. Its coordinates must then be equal bit by
-/// bit, compared as float64 if some rank has float64. At most 2^31 - 1 triangles, and as many vertices, over all ranks.
+/// copies of one vertex (ghost vertices), which makes the triangles that name it adjacent. Its coordinates must then be
+/// equal bit by bit, compared as float64 if some rank has float64. At most 2^31 - 1 triangles, and as many vertices,
+/// over all ranks.
 struct MeshShare {
     MeshView mesh;  ///< `triangles` are indices into the `vertices` of this rank
-    /// Number of each local triangle. Empty on all ranks: triangles are numbered rank by rank.
+    /// Number of each local triangle. If the list is empty on all ranks, triangles are numbered rank by rank.
     std::span<const std::int64_t> triangle_ids;
-    /// Number of each local vertex. Empty on all ranks: vertices are numbered rank by rank, without ghost vertices.
+    /// Number of each local vertex. If the list is empty on all ranks, vertices are numbered rank by rank, and there
+    /// are no ghost vertices.
     std::span<const std::int64_t> vertex_ids;
 
     /// Returns this local mesh with the given positions of its vertices at the end of a step.
@@ -38,11 +41,11 @@ struct MeshShare {
 /// Over all ranks bodies are numbered 0 to B - 1, each exactly once; pair filters and results use these numbers. Every
 /// rank has a table of all bodies, about 70 bytes each.
 ///
-/// If a body only moves (a new pose, or new vertices of its shape), only coordinates are sent. Shape::name is ignored;
-/// poses are in host memory.
+/// If bodies only move between two calls (new poses, or new coordinates of their shapes), only coordinates are sent.
+/// Shape::name is ignored; poses are in host memory.
 struct WorldShare {
     World world;
-    /// Number of each local body. Empty on all ranks: bodies are numbered rank by rank.
+    /// Number of each local body. If the list is empty on all ranks, bodies are numbered rank by rank.
     std::span<const std::int64_t> body_ids;
 };
 
@@ -50,20 +53,21 @@ struct WorldShare {
 /// result.
 struct DistributedOptions {
     /// Options of this rank's detector. `threads` 0: the cores that the rank may use, divided by the ranks that share
-    /// them. `device` is that of the first rank of a machine; the following ranks use the following devices,
-    /// cyclically. `memory_limit` is that of the rank.
+    /// them. `device` is that of the first rank of a machine; the following ranks of the machine use the following
+    /// devices, cyclically. `memory_limit` applies to this rank alone.
     Options detector;
-    /// Number of parts over all ranks, 1 to 262,144; 0: chosen from the number of ranks. More parts balance the load
-    /// better, but overlap more.
+    /// Number of parts into which the scene is divided for all ranks together, 1 to 262,144; 0: chosen from the number
+    /// of ranks. More parts balance the load better, but overlap more.
     int parts = 0;
     /// Approximate size in bytes of the message batches that a rank sends, and of the batches that it receives; at
     /// least 1 KiB. A batch is divided equally among the ranks, but each message has at least one row.
     std::int64_t round_bytes = std::int64_t{1} << 26;
 };
 
-/// Phases of a call, in order: compare the query of all ranks, read the input, match ids over ranks, place parts,
-/// choose the triangles of parts (members), reserve memory and send them (room), search, send rows, merge rows
-/// (output). Each ends with a collective error check.
+/// Phases of a call, in order: check that all ranks make the same query; read the input; match ids over ranks; compute
+/// the centres of parts (place); find the parts of each local triangle (members); reserve memory for the parts and send
+/// their triangles (room); search; send the rows of the result; merge them (output). Each phase ends with a collective
+/// error check.
 enum class Phase : std::uint8_t { query, input, ids, place, members, room, search, rows, output };
 inline constexpr int phase_count = 9;
 /// Returns the name of the enumerator, such as "query".
@@ -77,20 +81,20 @@ constexpr std::string_view phase_name(Phase phase) {
 struct DistributedProgress {
     Phase phase = Phase::query;
     int parts_done = 0;  ///< in Phase::search: number of parts that this rank has searched
-    int parts = 0;       ///< in Phase::search: number of parts to search, unless the first hit suffices
+    int parts = 0;       ///< in Phase::search: number of parts to search; a first hit may end the search before
 };
 
 /// Counts and times of a call on this rank.
 struct DistributedStatistics {
     double milliseconds = 0;                               ///< wall-clock time of the call
-    std::array<double, phase_count> phase_milliseconds{};  ///< including the communication at the end of each
+    std::array<double, phase_count> phase_milliseconds{};  ///< including the communication at the end of the phase
     int parts = 0;                                         ///< number of parts that this rank has searched
     std::int64_t members = 0;                              ///< triangles of these parts, counted once per part
     std::int64_t bytes_sent = 0;                           ///< sent to other ranks
     std::int64_t messages = 0;                             ///< number of messages to other ranks
     double work_milliseconds = 0;                          ///< time of the searches
-    double largest_work = 0;                               ///< maximum over all ranks, in milliseconds
-    double mean_work = 0;                                  ///< mean over all ranks
+    double largest_work = 0;                               ///< maximum of work_milliseconds over all ranks
+    double mean_work = 0;                                  ///< mean of work_milliseconds over all ranks
     /// True if only vertices have moved since the previous call, so that only coordinates were sent.
     bool moved = false;
     Statistics search;  ///< summed over this rank's parts
@@ -99,9 +103,10 @@ struct DistributedStatistics {
     double operator[](Phase phase) const { return phase_milliseconds[static_cast<std::size_t>(phase)]; }
 };
 
-/// Rows of a rank, and totals. For meshes: pairs whose first triangle is local, in order, with the numbers of triangles
-/// over all ranks. For worlds: pairs whose first body is local, in the order of Intersections. Merged by first triangle
-/// or body, the rows of all ranks are the same bytes as those of a single machine.
+/// Result of an IntersectionQuery: rows of this rank, and totals over all ranks. For meshes, the rows are the pairs
+/// whose first triangle is local, in order, with the numbers of triangles over all ranks. For worlds, they are the
+/// pairs whose first body is local, in the order of Intersections. Merged by first triangle or body, the rows of all
+/// ranks are the same bytes as those of a single machine.
 struct DistributedIntersections {
     bool any = false;        ///< over all ranks
     std::int64_t count = 0;  ///< number of pairs of triangles over all ranks if they are counted or listed, else 0
@@ -112,10 +117,10 @@ struct DistributedIntersections {
     DistributedStatistics statistics;
 };
 
-/// Impacts of a step whose first feature belongs to this rank, in order. A vertex or an edge belongs to the rank with
-/// the lowest triangle that names it. Features have their numbers over all ranks: faces those of triangles, edges as
-/// Impacts numbers them; for worlds those within their bodies. Merged, the rows of all ranks are the same bytes as
-/// those of a single machine.
+/// Result of an ImpactQuery: the impacts whose first feature belongs to this rank, in order. A vertex or an edge
+/// belongs to the rank with the lowest triangle that names it. Features have their numbers over all ranks: faces have
+/// those of triangles, edges are numbered as in Impacts. For worlds, features have their indices within their bodies.
+/// Merged, the rows of all ranks are the same bytes as those of a single machine.
 struct DistributedImpacts {
     bool any = false;                             ///< over all ranks
     FirstImpact first;                            ///< over all ranks, for Output::first and Output::pairs
@@ -131,7 +136,8 @@ struct DistributedImpacts {
     const ImpactList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
 };
 
-/// Near pairs whose first feature belongs to this rank; members as in DistributedImpacts.
+/// Result of a ProximityQuery: the near pairs whose first feature belongs to this rank. Members are as in
+/// DistributedImpacts.
 struct DistributedProximities {
     bool any = false;
     std::array<ProximityList, feature_kinds> lists;

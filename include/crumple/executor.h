@@ -16,7 +16,8 @@ class Executor {
    public:
     virtual ~Executor() = default;
 
-    /// Returns the number of workers, 1 to 1024. Must not change: each worker has buffers of its own.
+    /// Returns the number of workers, 1 to 1024. The number must not change, because detectors have buffers for each
+    /// worker.
     virtual int concurrency() const = 0;
 
     /// Calls task(index, worker) once for each index in [0, n), in any order, on any threads, and returns when all

@@ -12,8 +12,8 @@
 namespace crumple {
 
 // Exact decisions about pairs of features that the caller provides, for callers with their own broad phase
-// (docs/given_pairs.md). Each decision is that of Detector::find. The functions do not know the meshes, so they never
-// skip pairs of adjacent features.
+// (docs/given_pairs.md). Each decision is that of Detector::find. The functions get no mesh, so they do not skip pairs
+// of adjacent features: a pair with a common point touches at the start.
 //
 // Points are rows of three coordinates, pair after pair, float32 or float64, in host memory. By kind a pair has: the
 // vertex and the face's three corners; two ends of each edge; the vertex and the edge's two ends; or two vertices. So k
@@ -33,7 +33,7 @@ struct PairImpactQuery {
 
 /// Result of pair_impacts(): one element per pair.
 struct PairImpacts {
-    Array<std::uint8_t> hit;  ///< 1: they touch at some time in [0, 1]
+    Array<std::uint8_t> hit;  ///< 1: the features touch at some time in [0, 1]
     Array<double> toi;        ///< first such time, rounded down: toi <= exact < next number; infinite if there is none
     Array<std::uint8_t> start;  ///< 1: they touch at the start, toi = 0 exactly
 };
@@ -49,11 +49,11 @@ struct PairDistances {
     Array<double> squared_distance;  ///< exact, rounded to nearest; infinite if it overflows
     Array<std::uint8_t> touching;    ///< 1: the distance is 0 exactly
     /// Closest parts: a VertexFaceType, EdgeEdgeType, VertexEdgeType or VertexVertexType (crumple/proximities.h). EA0,
-    /// EB0 and the E0 of an edge are the ends given first.
+    /// EB0, and E0 of a vertex and an edge, are the ends that the caller gives first.
     Array<std::uint8_t> type;
-    /// Closest points, as parameters: (u, v) of the point a + u (b - a) + v (c - a) of a face, (s, t) of a + s (b - a)
-    /// and c + t (d - c) on two edges, (t, 0) of a + t (b - a) on one edge, (0, 0) for two vertices. Exact, then
-    /// rounded.
+    /// Closest points, as parameters: (u, v) of the point a + u (b - a) + v (c - a) of a face a b c; (s, t) of the
+    /// points a + s (b - a) and c + t (d - c) of two edges a b and c d; (t, 0) of the point a + t (b - a) of an edge a
+    /// b against a vertex; (0, 0) for two vertices. Exact values, each rounded to the nearest number.
     Array<std::array<double, 2>> at;
 };
 

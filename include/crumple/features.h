@@ -15,17 +15,18 @@ struct Edge {
 };
 
 /// Kind of a pair of features (docs/motion.md, docs/nearness.md). Features are vertices, edges and faces (triangles).
-/// By default, vertices are those that a triangle or an edge names, and edges those of the triangles; the caller may
-/// list others (MeshView::edges, MeshView::points). In a Pair of features, `a` is the index of the feature that the
-/// kind names first, `b` of the other one; if points are listed, a vertex's index is its position in the list. Results
-/// hold their lists in the order of this enum. The last two kinds are for rods, hair and particles: they cover features
-/// that are in no pair of the other kinds.
+/// By default, vertices are those that a triangle or an edge names, and edges those of the triangles. The caller may
+/// list edges and points to use instead (MeshView::edges, MeshView::points). In a Pair of features, `a` is the index of
+/// the feature that the kind names first, `b` of the other one; if points are listed, a vertex's index is its position
+/// in the list. Results hold their lists in the order of this enum. The last two kinds are for rods, hair and
+/// particles: they cover contacts that pairs of the first two kinds miss.
 enum class FeatureKind : std::uint8_t {
-    vertex_face,    ///< a: vertex, b: triangle without this vertex
-    edge_edge,      ///< a < b: edges without a common vertex
-    vertex_edge,    ///< a: vertex, b: edge of no triangle, without this vertex. Each edge of the vertex has a common
-                    ///< vertex with b
-    vertex_vertex,  ///< a < b: vertices of no triangle and no edge
+    vertex_face,  ///< a: vertex, b: triangle without this vertex
+    edge_edge,    ///< a < b: edges without a common vertex
+    /// a: vertex, b: edge that belongs to no triangle and does not contain this vertex. Listed only if each edge at the
+    /// vertex has a common vertex with b; otherwise the pair of an edge at the vertex and b covers this pair.
+    vertex_edge,
+    vertex_vertex,  ///< a < b: vertices that belong to no triangle and no edge
 };
 inline constexpr int feature_kinds = 4;
 /// Returns the name of the enumerator, such as "vertex_face".

@@ -31,15 +31,17 @@ struct ImpactQuery {
     double min_distance_share = 0;
     /// Drops pairs that touch at the start (by the minimum distance if there is one) and never come nearer than they
     /// are at the start; decided exactly. So a step may begin within the minimum distance, and features may move apart.
-    /// If a pair does come nearer, `toi` is the last time before that: 0 if they approach at once. Pairs at distance 0
-    /// cannot come nearer and have no sides, so they are dropped whatever their motion. Pairs of triangles that
-    /// intersect at the start are still listed.
+    /// If a pair does come nearer, `toi` is the greatest lower bound of the times at which it is nearer than at the
+    /// start: 0 if the features approach at once. Pairs at distance 0 at the start cannot come nearer, so they are
+    /// dropped however they move, even through each other. Pairs of triangles that intersect at the start are still
+    /// listed.
     bool approaching_only = false;
     bool weld = false;  ///< vertices with equal positions at start and end count as one, for adjacency
     PairFilter filter = {};
     bool index = false;  ///< also makes the offsets of ImpactList, for Output::pairs
     /// Also lists pairs of triangles: those that intersect at the start (docs/contract.md, Neighbours::geometric), and
-    /// those of which an impact names one feature each. They count for `any` and `any_by_world`, too.
+    /// those for which some impact is between a feature of one triangle and a feature of the other. They count for
+    /// `any` and `any_by_world`, too.
     bool triangle_pairs = false;
 };
 
@@ -57,14 +59,15 @@ enum class Held : std::uint8_t {
 };
 
 /// Query for the share of a step that is free, and for end positions that can be reached without any impact. The motion
-/// to these positions, as rounded, is verified to be free; it differs from the motion to the end, so a `toi` of the
-/// latter does not bound it.
+/// from the start to these positions, as rounded, is verified to be free. Rounding makes it a slightly different motion
+/// from a fraction of the original step, so a `toi` of the original step does not bound it.
 ///
 /// If two features touch, the objects that `held` selects stop before the time of contact: by 2^-16 of that time if
 /// this suffices, by more if the shortened motion still touches. Their share is 0 if the features touch at the start,
-/// if only a share below 2^-40 would be free, or after 40 attempts. Everything else goes on. Features that touch at the
-/// start hold their whole world there, because no share is free of that contact. With `approaching_only` they do not;
-/// if they would come nearer, only the objects that `held` selects stay at the start.
+/// if only a share below 2^-40 would be free, or after 40 attempts. Everything else moves on to the end of the step.
+/// Features that touch at the start hold their whole world there, whatever `held` is, because no share of the step is
+/// free of that contact. With `approaching_only` they do not hold their world; if they would come nearer, only the
+/// objects that `held` selects stay at the start.
 ///
 /// Ignores `output` and `index`. Cost: one to three times that of a FirstImpactQuery; with Held::bodies and
 /// Held::vertices that of an ImpactQuery for each of a few iterations.
@@ -79,7 +82,7 @@ struct ImpactList {
     Array<Pair> pairs;          ///< indices within their bodies; see FeatureKind
     Array<BodyPair> bodies;     ///< the bodies of each pair; empty for a single mesh
     Array<double> toi;          ///< first time of contact in [0, 1], rounded down: toi <= exact < next number
-    Array<std::uint8_t> start;  ///< 1: touch at the start (approaching_only: approach at once); toi = 0 exactly
+    Array<std::uint8_t> start;  ///< 1: touch at the start (approaching_only: and approach at once); toi is exactly 0
 
     // For ImpactQuery::index, a single mesh only:
     Array<std::int64_t> offsets;         ///< impacts with first feature i: [offsets[i], offsets[i + 1])
@@ -101,12 +104,12 @@ struct FirstImpact {
 /// Result of a FreeStepQuery.
 struct FreeStep {
     double share = 0;  ///< 0 to 1, the smallest of all shares; 1: the whole step is free
-    /// 3 per vertex: start + s (end - start) with the share s of the vertex, its body or its world, rounded to the
+    /// 3 per vertex: start + s (end - start), where s is the share of the vertex, its body or its world; rounded to the
     /// precision of the mesh or body. For worlds the posed vertices, body after body.
     Array<double> positions;
     FirstImpact first;        ///< the first impact of the whole step, if any
     bool intersects = false;  ///< with ImpactQuery::triangle_pairs: true if triangles intersect at the start
-    Pair intersecting{};      ///< the first pair of these
+    Pair intersecting{};      ///< the first such pair, valid if `intersects`
     BodyPair intersecting_bodies{};
 
     Array<double> vertex_shares;  ///< 1 per vertex, for Held::vertices
@@ -126,19 +129,19 @@ struct Impacts {
     Array<std::uint8_t> world_hit;                ///< per world: 1 if something touches (not for Output::any)
     Array<FirstImpact> world_first;               ///< 1 per world, for Output::first and Output::pairs
     std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
-    /// For ImpactQuery::triangle_pairs: triangles a < b (for worlds body by body) whose groups the filter selects.
-    /// `toi` is the first time of contact of their features; 0, with `start`, if they intersect at the start.
+    /// For ImpactQuery::triangle_pairs: pairs of triangles whose groups the filter selects, in the order of an
+    /// ImpactList; for a single mesh a < b. `toi` is the first time of contact of their features; 0, with `start`, if
+    /// they intersect at the start.
     ImpactList triangle_pairs;
-    bool lists_triangle_pairs = false;  ///< true if requested, even if there are none
+    bool lists_triangle_pairs = false;  ///< true if pairs of triangles were requested, even if there are none
 
     /// The edges that indices refer to; an edge's index counts within its body. Body b has [first_edge[b], first_edge[b
     /// + 1]): the edges that its shape lists, or each edge of its triangles once, in lexicographic order.
     Array<Edge> edges;
     Array<std::int64_t> first_edge;
 
-    /// The points that indices refer to, if a shape lists points: body b has [first_point[b], first_point[b + 1]),
-    /// vertices in the order of its list. Vertices of a body without codimensional points have their vertex index
-    /// instead.
+    /// The points that indices refer to, if a shape lists points: body b has [first_point[b], first_point[b + 1]), the
+    /// vertices in the order of its list. For a body whose shape lists no points, pairs have vertex indices instead.
     Array<std::int32_t> points;
     Array<std::int64_t> first_point;
 

@@ -51,12 +51,13 @@ struct Statistics {
     std::int64_t clusters = 0;        ///< clusters of the first level of subdivision
     std::int64_t leaves = 0;          ///< leaf clusters that were swept
     std::int64_t members = 0;         ///< triangles of all leaves, counted once per leaf
-    std::int64_t interval_tests = 0;  ///< overlaps along the sweep direction
+    std::int64_t interval_tests = 0;  ///< pairs whose intervals along the sweep direction overlap
     std::int64_t box_overlaps = 0;    ///< candidate pairs found by the sweep
-    std::int64_t edge_tests = 0;      ///< pairs that no plane separated
-    std::int64_t double_tests = 0;    ///< pairs left undecided by float32 filters
-    std::int64_t exact_tests = 0;     ///< pairs left undecided by float64 filters: decided in exact arithmetic
-    std::int64_t rational_tests = 0;  ///< exact tests beyond the range of floating-point expansions
+    // Tests of pairs of triangles or, in queries about features, of pairs of features:
+    std::int64_t edge_tests = 0;      ///< tests of candidate pairs that no plane or direction separates
+    std::int64_t double_tests = 0;    ///< tests left undecided by float32 filters
+    std::int64_t exact_tests = 0;     ///< tests decided exactly; for intersections, those that float64 filters leave
+    std::int64_t rational_tests = 0;  ///< exact tests that took rational arithmetic
     /// Contacts computed in rational arithmetic, by the host even with cuda: of coplanar or degenerate triangles, and
     /// points that double-double arithmetic could not round.
     std::int64_t rational_contacts = 0;
@@ -72,8 +73,10 @@ struct Statistics {
 
 /// Treatment of adjacent triangles: pairs that share a vertex.
 enum class Neighbours : std::uint8_t {
-    geometric,  ///< intersect only if they meet outside the hull of shared vertices: a fold does, a hinge does not
-    skip,       ///< never reported
+    /// Intersect if they also meet outside the convex hull of the vertices that they share. Two triangles that are
+    /// folded onto each other at a common edge do; a hinge, whose triangles meet only in their common edge, does not.
+    geometric,
+    skip,  ///< never reported
 };
 
 /// Pairs of triangles that count as intersecting.
@@ -82,8 +85,8 @@ enum class IntersectionKind : std::uint8_t {
     proper,  ///< an edge of one strictly crosses the relative interior of the other
 };
 
-/// Query for all pairs of triangles that intersect (docs/contract.md), at the start if they move. A value: it owns its
-/// data.
+/// Query for all pairs of triangles that intersect (docs/contract.md). If the triangles move, their positions at the
+/// start count. A value: it owns its data.
 struct IntersectionQuery {
     using Result = Intersections;
     using DeviceResult = DeviceIntersections;
@@ -103,12 +106,12 @@ struct IntersectionQuery {
     ///
     /// For worlds and two meshes, with `kind` all, without PairScope::within of bodies, and without filters of groups
     /// if shapes have groups. With `weld`, which also closes the seams of each body, `neighbours` has to be geometric,
-    /// and vertices that are one with vertices of the other body do not count. Not with the cuda backend. Additional
-    /// cost: for bodies whose boxes overlap and whose surfaces do not meet, one ray for each component that lies in the
-    /// other's box.
+    /// and vertices that are merged with a vertex of the other body are not tested for being inside. Not with the cuda
+    /// backend. Additional cost: for bodies whose boxes overlap and whose surfaces do not meet, one ray for each
+    /// component that lies in the other's box.
     bool containment = false;
-    /// Treatment of bodies that are not closed, in pairs whose boxes overlap and whose surfaces do not meet. Such a
-    /// body can still be reported as lying inside another one.
+    /// For `containment`: treatment of bodies whose surfaces are not closed, in pairs whose boxes overlap and whose
+    /// surfaces do not meet. Such a body can still be reported as lying inside another one.
     OpenSurfaces open = OpenSurfaces::error;
     PairFilter filter = {};
     /// For worlds: also makes offsets and hit flags if pairs are listed; meshes always have them.
@@ -132,12 +135,12 @@ struct Intersections {
 
     /// For worlds, the bodies of each pair; for Output::body_pairs each intersecting pair of bodies once. Else empty.
     Array<BodyPair> bodies;
-    /// For IntersectionQuery::containment and Output::body_pairs: one entry per pair of bodies, 1 if their surfaces do
-    /// not meet, and one body has a component inside the other. Else empty.
+    /// For IntersectionQuery::containment and Output::body_pairs: one entry per pair of bodies, which is 1 if their
+    /// surfaces do not meet and one body has a component inside the other. Else empty.
     Array<std::uint8_t> inside;
-    /// For IntersectionQuery::containment and OpenSurfaces::skip: bodies that are not closed, ascending, among selected
-    /// pairs whose boxes overlap and whose surfaces do not meet. Empty for Output::any if surfaces meet; for
-    /// Output::any_by_world, worlds in which surfaces meet add none.
+    /// For IntersectionQuery::containment and OpenSurfaces::skip: bodies whose surfaces are not closed, ascending, in
+    /// pairs of bodies that the filter selects, whose boxes overlap and whose surfaces do not meet. For Output::any,
+    /// empty if any surfaces meet; for Output::any_by_world, without the bodies of worlds in which surfaces meet.
     Array<std::int32_t> skipped;
     Array<Pair> pairs;  ///< triangles, by index within their bodies or meshes
     Contacts contacts;  ///< for Output::contacts
@@ -151,16 +154,17 @@ struct Intersections {
     Array<std::uint8_t> hit;
 
     // For worlds, with IntersectionQuery::index:
-    /// Pairs of world w: [world_offsets[w], world_offsets[w + 1]); then those among bodies in all worlds.
+    /// Pairs of world w: [world_offsets[w], world_offsets[w + 1]). Pairs among bodies that are in all worlds follow
+    /// after the last.
     Array<std::int64_t> world_offsets;
     Array<std::int64_t> body_offsets;    ///< pairs whose first body is b: [body_offsets[b], body_offsets[b + 1])
-    Array<std::int64_t> first_triangle;  ///< start of each body's triangles in `hit`, and the end
+    Array<std::int64_t> first_triangle;  ///< start of each body's triangles in `hit`, then the length of `hit`
 
     Statistics statistics;
 };
 
-/// Result of an IntersectionQuery in device memory: device pointers, in the order of Intersections. Comments at
-/// pointers begin with the length of the array.
+/// Result of an IntersectionQuery in device memory. Arrays have the contents and the order of those of Intersections.
+/// The comment at a pointer begins with the length of the array.
 struct DeviceIntersections {
     /// False if a list of fixed length overflowed (Detector::launch in a capture): then there are no arrays.
     bool complete = true;
@@ -187,7 +191,8 @@ struct DeviceIntersections {
     std::int64_t worlds = 0;
     const std::uint8_t* world_hit = nullptr;     ///< worlds: 1 if something intersects
     const std::int64_t* world_counts = nullptr;  ///< worlds: number of pairs of triangles
-    /// worlds + 1: start of the pairs of each world; pairs among bodies in all worlds follow.
+    /// worlds + 1: start of the pairs of each world, then their end, after which pairs among bodies that are in all
+    /// worlds follow.
     const std::int64_t* world_offsets = nullptr;
     Statistics statistics;
 };

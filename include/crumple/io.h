@@ -19,17 +19,19 @@
 
 namespace crumple::io {
 
-/// Precision of a file's coordinates in memory. `automatic` loses no bit: float32 or float64 by property type for PLY,
-/// also ascii (mixed or integer: float64); float32 for binary STL and glTF; float64 for other text.
+/// Precision of a file's coordinates in memory. `automatic` loses no bit: for PLY, binary or ascii, the type of its
+/// coordinate properties, or float64 if they are integers or of different types; float32 for binary STL and glTF;
+/// float64 for all other text formats.
 enum class Precision : std::uint8_t { automatic, float32, float64 };
 
 /// Merging of vertices at equal positions (-0 equals +0). `automatic` merges for STL, which has no shared vertices, and
 /// for glTF, which repeats a vertex for each normal; it leaves other formats unchanged.
 enum class Weld : std::uint8_t { automatic, yes, no };
 
-/// Triangulation of polygons: n - 2 triangles for n corners. `fan`: from the first corner. `ears`: a fan for convex
-/// polygons, ear clipping without overlaps for concave ones; polygons that cross themselves are fanned, with a warning.
-/// Exact predicates classify polygons, projected along the axis in which their Newell normal is largest.
+/// Triangulation of polygons: n - 2 triangles for n corners. `fan`: all triangles share the first corner. `ears`: a fan
+/// for convex polygons, and ear clipping, which makes no overlapping triangles, for concave ones; a polygon that
+/// crosses itself becomes a fan, with a warning. Exact predicates classify polygons, projected along the axis in which
+/// their Newell normal is largest.
 enum class Triangulation : std::uint8_t { ears, fan };
 
 /// Unit of a file's coordinates. 3MF states it (millimetre by default), glTF prescribes metre, other formats do not
@@ -42,15 +44,17 @@ struct ReadOptions {
     Weld weld = Weld::automatic;
     std::string group_property = {};  ///< PLY: integer face property that holds the groups; empty: no groups
     Triangulation triangulation = Triangulation::ears;
-    bool strict = false;            ///< warnings are errors
-    bool lines_and_points = false;  ///< OBJ: also read `l` and `p` elements; PLY without faces: its vertices
-    /// Requested unit: other units are converted; files without a unit are assumed to have this one.
+    bool strict = false;  ///< warnings are errors
+    bool lines_and_points =
+        false;  ///< OBJ: reads `l` and `p` elements, too; PLY without faces: its vertices are points
+    /// Requested unit. Coordinates in another unit are converted to it; a file without a unit is assumed to have it.
+    /// `unknown`: keeps the unit of the file.
     Unit unit = Unit::unknown;
 };
 
 /// Polygons that a file's triangles were cut from. All arrays are empty if each triangle is a face of the file.
 struct Polygons {
-    std::vector<std::int32_t> of_triangle;  ///< m: polygon of each triangle, ascending
+    std::vector<std::int32_t> of_triangle;  ///< m: index of each triangle's polygon, ascending
     std::vector<std::int64_t> offsets;      ///< p + 1: polygon i has corners [offsets[i], offsets[i + 1])
     std::vector<std::int32_t> corners;      ///< vertices, in the order of the file
 
@@ -95,11 +99,12 @@ CRUMPLE_API MeshFeatures features_of(const TriangleMesh& mesh);
 ///
 /// Throws crumple::Error (file, format) that names the file and the line or byte: truncated, hostile or absurd content,
 /// indices out of range, coordinates that are not finite or overflow the precision. Error::index is then a line,
-/// counted from 1, or a byte, counted from 0. Never returns a truncated mesh. Skips normals, colours and texture
-/// coordinates. docs/input.md lists what each format's reader accepts, warns about and refuses.
+/// counted from 1, or a byte, counted from 0. Never returns a mesh that lacks the rest of a truncated file. Skips
+/// normals, colours and texture coordinates. docs/input.md lists what each format's reader accepts, warns about and
+/// refuses.
 ///
-/// One pass over the file, which is held in memory meanwhile: hundreds of MB a second. A concave polygon of n corners
-/// usually takes O(n log n), at worst O(n^2).
+/// Cost: one pass over the file, at hundreds of MB per second; the whole file is in memory during the call. A concave
+/// polygon of n corners usually takes O(n log n), at worst O(n^2).
 CRUMPLE_API TriangleMesh read_mesh(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a mesh from a stream, to its end. Uses `name` for the file in messages, and its extension to detect the
@@ -138,32 +143,36 @@ struct CRUMPLE_API WorldMesh {
 };
 
 /// Reads glTF 2.0 (.glb, .gltf) as a world: each node of the default scene that has a mesh is a body, in the order of
-/// the file's nodes, with the node's name and its transform from the root. Meshes over the same data are one shape.
-/// Reads 3MF, too: each mesh of a build item, or of its components, is a body with the object's name. Any other mesh
-/// file is a world of one body with the identity pose, named like the file without its extension.
+/// the file's nodes, with the node's name. Its pose is the product of the transforms from the root down to the node.
+/// Meshes that refer to the same data are one shape. Reads 3MF, too: each mesh of a build item, or of its components,
+/// is a body with the object's name. Any other mesh file is a world of one body with the identity pose, named like the
+/// file without its extension.
 ///
 /// Shapes of glTF are float32 unless Precision::float64 is requested, and so are posed vertices. glTF repeats a vertex
-/// for each of its normals, so `Weld::automatic` merges vertices at equal positions. Missing names are replaced by the
-/// mesh's name or `node7` for glTF, by the enclosing object's name or `object 7` for 3MF; a second body of the same
-/// name becomes NAME_2. Throws as read_mesh does, also for a node with a transform that is not finite or not affine,
-/// and for nodes in a cycle. docs/input.md lists what is read, skipped and refused.
+/// for each of its normals, so `Weld::automatic` merges vertices at equal positions. A missing name is replaced for
+/// glTF by the mesh's name, or if that is missing by `node7` for node 7; for 3MF by the name of the innermost enclosing
+/// object that has one, or by `object 7`; a second body of the same name becomes NAME_2. Throws as read_mesh does, also
+/// for a node with a transform that is not finite or not affine, and for nodes in a cycle. docs/input.md lists what is
+/// read, skipped and refused.
 CRUMPLE_API WorldMesh read_world(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a world from a stream, to its end; glTF must contain its buffers.
 CRUMPLE_API WorldMesh read_world(std::istream& in, const std::string& name, const ReadOptions& options = {});
 
-/// Reads poses: for each configuration, one row for each of `bodies` (their names), in this order. A row has 12
-/// numbers, those of Pose::rows, or 16 that end with 0 0 0 1. A .npy file is an array of float32 or float64 whose shape
-/// ends with 12 or 3, 4 (16 or 4, 4). Any other file is text, a row per line, with commas or blanks between numbers; a
-/// first line of words, blank lines and comments (#) are skipped. Throws crumple::Error (file, format) that names the
-/// row and its body: too few or too many numbers, numbers that are not finite, a last configuration without all bodies.
+/// Reads the poses of bodies in one or more configurations. A file has one row per pose: the first configuration's
+/// poses of all bodies, in the order of `bodies` (their names, for messages), then those of the next configuration, and
+/// so on. A row has 12 numbers, those of Pose::rows, or 16 that end with 0 0 0 1. A .npy file is an array of float32 or
+/// float64 whose last dimension is 12 or 16, or whose last two are (3, 4) or (4, 4). Any other file is text, one row
+/// per line, with commas or blanks between numbers; a first line of words, blank lines and comments (#) are skipped.
+/// Throws crumple::Error (file, format) that names the row and its body: too few or too many numbers, numbers that are
+/// not finite, a last configuration without all bodies.
 CRUMPLE_API std::vector<Pose> read_poses(const std::filesystem::path& path, std::span<const std::string> bodies);
 
 /// Reads poses from a stream, to its end. Uses `name` for the file in messages, and its extension to detect the format.
 CRUMPLE_API std::vector<Pose> read_poses(std::istream& in, const std::string& name,
                                          std::span<const std::string> bodies);
 
-/// Returns the short name of a unit: "um", "mm", "cm", "in", "ft", "m"; "unknown".
+/// Returns the short name of a unit: "um", "mm", "cm", "in", "ft" or "m"; "unknown" for Unit::unknown.
 CRUMPLE_API const char* name_of(Unit unit);
 /// Returns the unit of a short name, or of a long one: "inch", "millimeter", "millimetre". Throws crumple::Error
 /// (invalid_argument) for other names.
@@ -176,22 +185,24 @@ CRUMPLE_API void convert_unit(TriangleMesh& mesh, Unit to);
 /// Converts all shapes, and the poses' translations.
 CRUMPLE_API void convert_unit(WorldMesh& world, Unit to);
 
-/// Returns all bodies as one mesh, body after body, with each vertex posed exactly as in Detector::find. Groups are the
-/// bodies. For a pose that mirrors, swaps the last two corners of each triangle, so that the outside stays outside.
+/// Returns all bodies as one mesh, body after body, with each vertex posed exactly as in Detector::find. The group of a
+/// triangle is the index of its body. If a pose mirrors its body, swaps the last two corners of each triangle, so that
+/// the outside stays outside.
 CRUMPLE_API TriangleMesh posed_mesh(const WorldMesh& world);
 
 /// Options of write_mesh().
 struct WriteOptions {
-    bool polygons = false;  ///< write polygons instead of their triangles; .stl, .glb and .3mf support triangles only
+    bool polygons = false;  ///< writes polygons instead of their triangles; .stl, .glb and .3mf support triangles only
 };
 
 /// Writes .ply (binary little endian), .obj, .stl (binary), .off, .glb or .3mf by extension. Throws crumple::Error
 /// (file, invalid_argument, index_out_of_range, not_finite), and then leaves an existing file unchanged.
 ///
 /// Coordinates keep every bit, except in .stl and .glb, which store float32; .stl shares no vertices. In .glb, a
-/// float64 mesh far from the origin is placed by its node's translation. .3mf stores the unit; .glb has a node that
-/// scales to metres; the other formats have no unit. Text has the shortest decimals that are read back as the same
-/// float64 numbers (the default precision for text). Only .ply stores groups, as the face property `group`.
+/// float64 mesh far from the origin is stored relative to a translation of its node. .3mf stores the unit; .glb has a
+/// node that scales to metres; the other formats have no unit. Numbers in text are the shortest decimals that are read
+/// back as the same float64 numbers (the default precision for text). Only .ply stores groups, as the face property
+/// `group`.
 CRUMPLE_API void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                             const WriteOptions& options = {});
 
@@ -212,11 +223,12 @@ CRUMPLE_API void write_world(std::ostream& out, const WorldMesh& world, MeshForm
 
 /// Writes a mesh with colliding triangles coloured, the others grey: .ply, .obj (with a .mtl file), .glb, .3mf or
 /// .html. `second` may be null; its triangles follow those of the first mesh. Throws as write_mesh does, also if a .mtl
-/// file of the same name exists with other materials: it is not replaced.
+/// file of the same name exists that Crumple has not written: it is not replaced.
 ///
 /// .ply colours both faces and vertices of colliding faces, because some viewers show only one of the two. .glb stores
-/// float32: a float64 mesh far from the origin is placed by its node's translation. .html is a page that shows the
-/// meshes and contacts in WebGL, with rotation and zoom, without network access; about 100 bytes per triangle.
+/// float32; a float64 mesh far from the origin is stored relative to a translation of its node. .html is a page that
+/// shows the meshes and contacts in WebGL, with rotation and zoom, without network access; about 100 bytes per
+/// triangle.
 CRUMPLE_API void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
                                 const Intersections& collisions);
 
@@ -234,11 +246,11 @@ CRUMPLE_API void write_coloured(const std::filesystem::path& path, const WorldMe
 CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const Intersections& collisions,
                                 MeshFormat format);
 
-/// Writes a world with its overlaps visible from outside: regions that lie inside another body of a row, or a second
-/// time inside the same body, are opaque in a strong colour; everything else is translucent. To this end bodies of rows
-/// are cut along the curves in which they cross (searched anew, by a detector with these options), so their triangles
-/// and vertices change. Overlaps of Output::body_pairs suffice. Rows of surfaces that are not closed have no inside.
-/// Without rows everything is translucent.
+/// Writes a world with its overlaps visible from outside. The parts of a body's surface that lie inside another body of
+/// the same row, or inside the same body where it overlaps itself, are opaque in a strong colour; everything else is
+/// translucent. To this end the bodies of all rows are cut along the curves in which they cross, so their triangles and
+/// vertices change; a detector with `options` searches for these curves. Overlaps of Output::body_pairs suffice. Rows
+/// with the relation `undefined` have no coloured parts inside. Without rows everything is translucent.
 ///
 /// .glb and .3mf have bodies with names, .obj and .html one mesh; .html also shows the curves. .ply has no
 /// transparency: it contains only the surface of the overlaps, which may be empty, with the bodies as groups. Throws as
@@ -250,8 +262,8 @@ CRUMPLE_API void write_coloured(const std::filesystem::path& path, const WorldMe
 CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const Overlaps& overlaps, MeshFormat format,
                                 const Options& options = {});
 
-/// Returns an HTML fragment, `height` pixels high, with the content of write_coloured's page. A page may contain
-/// several.
+/// Returns an HTML fragment, `height` pixels high, with the content of the page that write_coloured writes as .html. A
+/// page may contain several.
 CRUMPLE_API std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions,
                                 int height = 480);
 

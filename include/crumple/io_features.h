@@ -22,8 +22,9 @@ namespace crumple::io {
 struct CandidateRow {
     CandidateKind kind = CandidateKind::vertex_face;
     BodyPair bodies{0, 0};  ///< bodies of the first and of the second feature
-    /// By kind: vertex, face; both edges, the lesser first; the edge's vertices, face; both faces, the lesser first;
-    /// vertex, edge; both vertices, the lesser first. The lower vertex of an edge is first. Unused ids are 0.
+    /// Ids of both features, in the order of the kind's name. A vertex or a face has one id, an edge its two vertices,
+    /// the lower one first. Of two features of the same type, the lesser one is first (by body, then by ids). Unused
+    /// ids are 0.
     std::array<std::int32_t, 4> ids{};
     friend bool operator==(const CandidateRow&, const CandidateRow&) = default;
 };
@@ -31,7 +32,7 @@ struct CandidateRow {
 /// Row of a list of impacts or of near pairs; for impacts also pairs of triangles, with kind face_face.
 struct FeatureRow : CandidateRow {
     double value = 0;   ///< impacts: time of contact; near pairs: squared distance
-    bool flag = false;  ///< impacts: touch at the start; near pairs: touch
+    bool flag = false;  ///< impacts: they touch at the start; near pairs: they touch
     friend bool operator==(const FeatureRow&, const FeatureRow&) = default;
 };
 
@@ -47,7 +48,8 @@ struct CandidateRows {
     bool has_bodies = false;  ///< as in FeatureList
 };
 
-/// Converts a result to a list, in the same order. Throws Error (invalid_argument) unless its arrays fit together.
+/// Converts a result to a list, in the same order. Throws Error (invalid_argument) if the sizes of the result's arrays
+/// are inconsistent.
 /// @{
 CRUMPLE_API FeatureList list_of(const Impacts& impacts);
 CRUMPLE_API FeatureList list_of(const Proximities& nearby);
@@ -161,8 +163,8 @@ CRUMPLE_API void write_coloured(const std::filesystem::path& path, const Triangl
 /// Writes to a stream.
 CRUMPLE_API void write_coloured(std::ostream& out, const TriangleMesh& start, const Impacts& impacts);
 
-/// Writes a mesh, and `second` (body 1) unless it is null, coloured by the least distance from 0 to the largest one
-/// listed.
+/// Writes a mesh, and `second` (body 1) unless it is null. Each triangle in a near pair, by its face, edge or vertex,
+/// is coloured by its least distance, on a scale from 0 to the largest distance listed; the others are grey.
 CRUMPLE_API void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
                                 const Proximities& nearby);
 

@@ -83,9 +83,10 @@ struct MeshView {
     }
 
     /// Edges and points for queries about motion and nearness. If set, they replace the default features: the
-    /// triangles' edges, and the vertices that a triangle or an edge names. For rods, hair, particles, or a mesh's own
-    /// lists. Results name an edge or a point by its position in the list; an entry that is listed twice is reported
-    /// twice. The ends of an edge must differ. Queries about intersections ignore both lists.
+    /// triangles' edges, and the vertices that a triangle or an edge names. Use them for rods, hair and particles, or
+    /// if the mesh comes with such lists. The project calls them codimensional edges and points, although a triangle
+    /// may name them, too. Results name an edge or a point by its position in the list; an entry that is listed twice
+    /// is reported twice. The ends of an edge must differ. Queries about intersections ignore both lists.
     std::optional<std::span<const Edge>> edges = {};
     std::optional<std::span<const std::int32_t>> points = {};
 

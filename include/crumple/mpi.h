@@ -1,6 +1,7 @@
 #pragma once
 
-// Searches one scene with many MPI processes. Link crumple::mpi, which -DCRUMPLE_MPI=ON builds. docs/distributed.md
+// Detector that searches one scene with many MPI processes (docs/distributed.md). Link the target crumple::mpi, which
+// is built with -DCRUMPLE_MPI=ON.
 
 #ifndef OMPI_SKIP_MPICXX
 #define OMPI_SKIP_MPICXX 1
@@ -28,9 +29,9 @@ namespace crumple::mpi {
 /// The constructor, find(), any() and close() are collective: all ranks of the communicator make these calls, in the
 /// same order, with the same query and options. If a call throws on one rank, it throws the same crumple::Error on all
 /// (Error::rank), and leaves the detectors usable. A stop that is requested on one rank ends the call on all. A process
-/// that dies ends the job, as usual with MPI. One thread makes the calls. If MPI was initialised with less than
-/// MPI_THREAD_SERIALIZED, it must be the thread that initialised MPI; with MPI_THREAD_SINGLE, a detector must have one
-/// thread.
+/// that dies ends the job, as usual with MPI. On each rank one thread makes all calls. If MPI was initialised with less
+/// than MPI_THREAD_SERIALIZED, that must be the thread that initialised MPI; with MPI_THREAD_SINGLE, the detector
+/// itself must also be limited to one thread (Options::threads).
 class CRUMPLE_API Detector {
    public:
     /// Works on a duplicate of the communicator, so that its messages are never mixed up with others.
@@ -48,13 +49,14 @@ class CRUMPLE_API Detector {
     /// WorldShare; the query is an IntersectionQuery, ImpactQuery or ProximityQuery.
     ///
     /// With less output than pairs no rows are sent; Output::any_by_world is the same as Output::any. A moving mesh has
-    /// its end positions in MeshView::end; codimensional edges and points are ignored. Cached parts serve one query
-    /// only: a different minimum distance, or another type of query, makes new parts. The pair filter may select bodies
-    /// (with Body::self) or groups, not both. Throws Error (invalid_argument) for what ranks do not support: `index`,
-    /// `triangle_pairs`, `radii`, `rest`, `rings`, `least`; for meshes, excluded bodies; for worlds, Body::world other
-    /// than 0, poses in device memory, and shapes with codimensional edges or points, radii, or a rest shape. An Error
-    /// about a body counts bodies over all ranks (Element::body); without `body_ids`, unless it is about coordinates or
-    /// triangles, it counts the rank's own.
+    /// its end positions in MeshView::end; codimensional edges and points are ignored. Parts are cached for the last
+    /// query only: a call with a different minimum distance or radius, or with another type of query, makes new parts.
+    /// The pair filter may filter by bodies (including Body::self) or by groups, not by both. Throws Error
+    /// (invalid_argument) for what ranks do not support: `index`, `triangle_pairs`, `radii`, `rest`, `rings`, `least`;
+    /// for meshes, excluded bodies; for worlds, Body::world other than 0, poses in device memory, and shapes with
+    /// codimensional edges or points, radii, or a rest shape. Error::index of an error about a body (Element::body)
+    /// counts bodies over all ranks. Exception: without `body_ids`, errors about anything but coordinates or triangles
+    /// count the bodies of the rank that failed.
     template <class Query = IntersectionQuery, class Share>
     const typename Query::DistributedResult& find(const Share& share, const Query& query = {},
                                                   std::stop_token stop = {});

@@ -18,8 +18,8 @@ struct OpenEdge {
 };
 
 /// Lists the open edges of a mesh in host memory, in lexicographic order. A surface without any is closed, as an
-/// OverlapQuery needs it (docs/overlap.md). `weld`: merges vertices at equal positions; the lowest index represents
-/// them. Throws Error (invalid_argument, index_out_of_range, not_finite). Cost: O(n log n), on one thread.
+/// OverlapQuery needs it (docs/overlap.md). `weld`: merges vertices at equal positions; results name the one with the
+/// lowest index. Throws Error (invalid_argument, index_out_of_range, not_finite). Cost: O(n log n), on one thread.
 CRUMPLE_API Array<OpenEdge> open_edges(const MeshView& mesh, bool weld = false);
 
 }  // namespace crumple

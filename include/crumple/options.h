@@ -16,7 +16,8 @@ enum class Backend : std::uint8_t { automatic, reference, cpu, cuda };
 /// Instruction sets for the cpu backend. `automatic` chooses the best that the machine supports.
 enum class Simd : std::uint8_t { automatic, scalar, sse4, avx2, avx512, neon };
 
-/// Parameters of fuzzy C-means ([MZ] sec. 4), which places the centres of clusters: for researchers.
+/// Parameters of fuzzy C-means, which places the centres of clusters; only researchers should need to change them. [MZ]
+/// is D. Mainzer and G. Zachmann, Collision Detection Based on Fuzzy Scene Subdivision; see its sec. 4.
 struct FuzzyCMeans {
     double fuzziness = 2.0;    ///< t of [MZ] eq. 2, above 1
     int max_iterations = 2;    ///< most iterations of a call that is warm-started from the previous centres
@@ -37,15 +38,15 @@ struct Options {
     int threads = 0;
 
     /// Bytes that the detector may own, including buffers cached between calls and the result, but not the caller's
-    /// arrays; 0: no limit. Work that exceeds the limit is cut into chunks and runs on one thread. If records or the
-    /// result do not fit even then, the call throws ErrorCode::memory_limit with a lower bound on a sufficient limit,
-    /// as soon as this is certain: at the latest when the pairs counted so far fill the limit.
+    /// arrays; 0: no limit. A search that exceeds the limit is repeated in chunks on one thread. If the arrays of one
+    /// chunk, or the result, do not fit even then, the call throws ErrorCode::memory_limit with a lower bound on a
+    /// sufficient limit, as soon as this is certain: at the latest when the pairs counted so far would fill the limit.
     std::int64_t memory_limit = 0;
 
     /// Clusters of the first level of subdivision, 1 to 64 (the cuda backend makes at most 63 for two meshes); 0:
-    /// chosen from the triangle count.
+    /// chosen from the number of triangles.
     int clusters = 0;
-    int leaf_size = 3000;  ///< target number of triangles per leaf; larger clusters are subdivided again
+    int leaf_size = 3000;  ///< target number of triangles per leaf (final cluster); larger ones are subdivided again
     FuzzyCMeans fuzzy_c_means = {};
     Simd simd = Simd::automatic;
     int device = 0;  ///< CUDA device: its number in list_devices()
@@ -58,7 +59,7 @@ struct Options {
     /// Returns the device that holds the detector's arrays.
     int first_device() const { return devices.empty() ? device : devices.front(); }
 
-    /// Threads that the cpu backend runs on, instead of `threads` of its own; null: oneTBB's.
+    /// Thread pool that the cpu backend uses instead of `threads` threads of its own; null: oneTBB's.
     std::shared_ptr<Executor> executor = {};
 };
 

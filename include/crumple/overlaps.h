@@ -18,12 +18,12 @@ struct BodyVertex {
     friend bool operator==(const BodyVertex&, const BodyVertex&) = default;
 };
 
-/// Query for overlaps of closed bodies: their volume, their place, and the direction that reduces them
-/// (docs/overlap.md). A value: it owns its data.
+/// Query for overlaps of closed bodies: their volume, their centroid, and the direction in which to move a body to
+/// reduce them (docs/overlap.md). A value: it owns its data.
 ///
 /// A surface is closed if each edge occurs in its triangles equally often in both directions; triangles are
-/// counter-clockwise seen from outside. Volumes are integrals of the product of both winding numbers: a region that the
-/// bodies cover u and v times is counted u v times.
+/// counter-clockwise seen from outside. Volumes are integrals of the product of both winding numbers: a region that one
+/// body covers u times and the other v times is counted u v times.
 struct OverlapQuery {
     using Result = Overlaps;
 
@@ -33,7 +33,7 @@ struct OverlapQuery {
     /// more; in cubed units of the world. 0 includes bodies that only touch.
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
-    bool weld = false;  ///< merges vertices of a shape at equal positions, which closes seams (STL files)
+    bool weld = false;  ///< merges vertices of a shape at equal positions, which closes seams, as in STL files
     /// Also makes the overlap of each body with itself, regardless of Body::self: rows (i, i), volumes of bodies, and
     /// is_solid. Always on for a single mesh.
     bool self_overlaps = false;
@@ -82,18 +82,18 @@ struct Overlaps {
     /// Moving the first body along the negative vector reduces the volume fastest; the second body's vector is the
     /// negative.
     Array<std::array<double, 3>> area_vector;
-    Array<std::array<double, 3>> normal;  ///< contact normal: the direction of the area vector; NaN if that is 0
-    Array<double> mean_depth;             ///< volume divided by the length of the area vector; NaN if that is 0
+    Array<std::array<double, 3>> normal;  ///< contact normal: the direction of the area vector; NaN if that vector is 0
+    Array<double> mean_depth;             ///< volume divided by the length of the area vector; NaN if that vector is 0
     /// Derivative of the volume with respect to a rotation of the first body about `torque_point`: ∫ (x - p) × n dA.
     Array<std::array<double, 3>> torque;
-    Array<std::array<double, 3>> torque_point;  ///< the centroid; where there is none, a point between the bodies
+    Array<std::array<double, 3>> torque_point;  ///< the centroid; if the volume is 0, a point between the bodies
     /// Total common area of coplanar triangles of both bodies, whichever way they face. Correctly rounded.
     Array<double> contact_area;
 
     /// For OverlapQuery::gradient: the derivatives of volume i by the vertices of both bodies are gradient[j], j in
     /// [gradient_offsets[i], gradient_offsets[i + 1]), sorted by body and vertex; those that are 0 are left out. Their
-    /// sum over the first body is the area vector. Where a shape is welded, the lowest of equal vertices stands for
-    /// all.
+    /// sum over the first body is the area vector. With `weld`, the derivative for merged vertices is listed at the one
+    /// with the lowest index.
     Array<std::int64_t> gradient_offsets;
     Array<BodyVertex> gradient_vertices;
     Array<std::array<double, 3>> gradient;  ///< each coordinate correctly rounded
@@ -125,7 +125,7 @@ struct Overlaps {
 
     // For OverlapQuery::self_overlaps, by body:
     Array<double> body_volume;     ///< ∫ w dx, correctly rounded; NaN for a body whose surface is not closed
-    Array<std::uint8_t> is_solid;  ///< 1 if all winding numbers are 0 or 1, but for regions of no volume
+    Array<std::uint8_t> is_solid;  ///< 1 if all winding numbers are 0 or 1, except in regions of volume 0
 
     Statistics statistics;
 };

@@ -32,16 +32,16 @@ struct ProximityQuery {
     /// an edge or a face is the largest of its vertices'. Two features are near if their distance is at most the sum of
     /// their radii, in real numbers. For a single mesh; a world has Shape::radii.
     std::span<const double> radii = {};
-    bool strict = false;   ///< near only if less than the radius
+    bool strict = false;   ///< near only if the distance is less than the limit
     bool closest = false;  ///< also makes ProximityList::type and ProximityList::at
     /// Also makes the least distance of each feature (Proximities::vertex_distance and so on), for a single mesh.
-    /// Includes pairs that `rings` or `rest` drop from the lists, so it can bound a step; together with these it takes
-    /// a second search.
+    /// Includes pairs that `rings` or `rest` drop from the lists, so a solver can limit its step by it; with `rings` or
+    /// `rest` it takes a second search.
     bool least = false;
     bool weld = false;  ///< vertices at equal positions count as one, for adjacency
     /// Features are adjacent, and never near, if a path of at most this many edges connects a vertex of one with a
-    /// vertex of the other. 0: if they have a common vertex. Memory: 4 bytes for each vertex and each other vertex
-    /// within that range, cached for the next call; about 150 bytes per vertex for 3 rings.
+    /// vertex of the other. 0: if they have a common vertex. Memory: 4 bytes for each vertex and each other vertex that
+    /// such a path reaches from it, about 150 bytes per vertex for 3 rings; cached for the next call.
     std::int32_t rings = 0;
     /// Rest shape: positions of the vertices, (n, 3), float32 or float64, finite. Features whose distance in the rest
     /// shape is at most `rest_radius` are never near. For a single mesh; a world has Shape::rest. Without data there is
@@ -52,10 +52,11 @@ struct ProximityQuery {
     bool index = false;  ///< also makes the offsets of ProximityList, for Output::pairs
 };
 
-/// Closest parts of two features; of several, those of lowest dimension, then the first in this order. Names and order
-/// are those of IPC Toolkit. P is the vertex. T is the face, T0 to T2 are its corners; E0 is its side from T0 to T1, E1
-/// from T1 to T2, E2 from T2 to T0. EA and EB are the two edges; EA0 and EA1 are the vertices of EA as in
-/// Proximities::edges. For a vertex and an edge, E is the edge, E0 and E1 are its vertices.
+/// Closest parts (vertices, edges, faces) of two features; if several are equally close, those of lowest dimension, and
+/// of these the first in the order of the enum. Names and order are those of IPC Toolkit. P is the vertex. T is the
+/// face, T0 to T2 are its corners; E0 is its side from T0 to T1, E1 from T1 to T2, E2 from T2 to T0. EA and EB are the
+/// two edges; EA0 and EA1 are the vertices of EA as in Proximities::edges. For a vertex and an edge, E is the edge, E0
+/// and E1 are its vertices.
 /// @{
 enum class VertexFaceType : std::uint8_t { P_T0, P_T1, P_T2, P_E0, P_E1, P_E2, P_T };
 enum class EdgeEdgeType : std::uint8_t { EA0_EB0, EA0_EB1, EA1_EB0, EA1_EB1, EA_EB0, EA_EB1, EA0_EB, EA1_EB, EA_EB };
@@ -73,9 +74,9 @@ struct ProximityList {
 
     // For ProximityQuery::closest:
     Array<std::uint8_t> type;  ///< a VertexFaceType, an EdgeEdgeType, a VertexEdgeType or a VertexVertexType
-    /// Parameters of the closest points: (u, v) of the point a + u (b - a) + v (c - a) of a face, (s, t) of a + s (b -
-    /// a) and c + t (d - c) on two edges, (s, 0) of a + s (b - a) on one edge, (0, 0) for two vertices. Exact, then
-    /// rounded to the nearest numbers.
+    /// Parameters of the closest points: (u, v) of the point a + u (b - a) + v (c - a) of a face a b c; (s, t) of the
+    /// points a + s (b - a) and c + t (d - c) of two edges a b and c d; (s, 0) of the point a + s (b - a) of an edge a
+    /// b against a vertex; (0, 0) for two vertices. Exact values, each rounded to the nearest number.
     Array<std::array<double, 2>> at;
 
     // For ProximityQuery::index, a single mesh only:
@@ -98,9 +99,9 @@ struct Proximities {
     Array<std::int32_t> points;
     Array<std::int64_t> first_point;
 
-    /// For ProximityQuery::least, of a single mesh: least distance of each vertex, face and edge in near pairs of all
-    /// kinds, including those that `rings` and `rest` drop; rounded down; infinite if there is none. If the mesh lists
-    /// points, vertices are counted by their position in that list.
+    /// For ProximityQuery::least, of a single mesh: least distance of each vertex, face and edge over its near pairs of
+    /// all kinds, including those that `rings` and `rest` drop; rounded down; infinite for a feature in no pair. If the
+    /// mesh lists points, vertices are counted by their position in that list.
     Array<double> vertex_distance, face_distance, edge_distance;
 
     Statistics statistics;

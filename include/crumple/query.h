@@ -32,8 +32,8 @@ struct GroupPair {
     friend bool operator==(const GroupPair&, const GroupPair&) = default;
 };
 
-/// Selects pairs between different bodies or groups, pairs within one body or group, or both. `between` for groups is
-/// an error if there are no group ids.
+/// Selects pairs between two different bodies or groups, pairs within one body or group, or both. `between` for groups
+/// is an error if there are no group ids.
 enum class PairScope : std::uint8_t { both, between, within };
 
 /// Pair filter of a query.
@@ -43,6 +43,7 @@ struct PairFilter {
     /// Pairs of bodies to skip, the "allowed collision matrix" of robotics; a body with itself skips the pairs within
     /// that body. Worlds only.
     std::vector<BodyPair> excluded_bodies = {};
+    /// Pairs of groups to skip; a group with itself skips the pairs within that group.
     std::vector<GroupPair> excluded_groups = {};
 };
 

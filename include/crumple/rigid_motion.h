@@ -14,8 +14,8 @@ namespace crumple {
 struct RigidMotion {
     std::int64_t pieces = 0;
     std::vector<Pose> poses;  ///< one per body for each of pieces + 1 times
-    /// Bound on how much nearer two bodies come in the motion than in its pieces. Add it to a minimum distance so that
-    /// no piece misses a contact of the motion.
+    /// Upper bound on how much nearer two bodies come in the exact motion than in the pieces. Add it to a minimum
+    /// distance so that no piece misses a contact of the motion.
     double min_distance = 0;
 
     /// Returns the poses at the start of piece k; those at its end are at(k + 1).
@@ -31,8 +31,8 @@ struct RigidMotion {
 /// straight.
 ///
 /// `radii`: one per body, the largest distance of a vertex from the origin of its shape. Poses must be rotations with
-/// translations, one per body. Throws Error (invalid_argument), with the body, for other poses, and if 1,048,576 pieces
-/// do not suffice. Cost: O(bodies times pieces).
+/// translations, one per body. Throws Error (invalid_argument) that names the body for other poses, and if 1,048,576
+/// pieces do not suffice. Cost: O(bodies times pieces).
 CRUMPLE_API RigidMotion cut_rigid_motion(std::span<const Pose> start, std::span<const Pose> end,
                                          std::span<const double> radii, double tolerance);
 

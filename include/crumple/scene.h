@@ -9,14 +9,14 @@
 
 namespace crumple {
 
-/// Two meshes: queries search for pairs across them. Vertices of different meshes are different, whatever their
-/// indices; with `weld`, vertices at equal positions count as one. If one mesh is float64, both are computed in
-/// float64.
+/// Two meshes: queries search for pairs of an element of `a` and one of `b`. Vertices of different meshes are
+/// different, whatever their indices; with `weld`, vertices at equal positions count as one. If one mesh is float64,
+/// both are computed in float64.
 struct TwoMeshes {
     MeshView a, b;
 };
 
-/// Subject of a query. Converts implicitly from each of the types below; a world needs its type's name:
+/// Subject of a query. Converts implicitly from the parameters of each constructor below; for a world, write the type:
 /// find(World{shapes, bodies, poses}). Holds views only: the arrays (and the Part) they refer to must stay unchanged
 /// until the call returns.
 class Scene {

@@ -59,12 +59,13 @@ struct Shape {
     VertexView end = {};
 
     /// As MeshView::edges and MeshView::points. A feature that belongs to no triangle is in the body's group if the
-    /// shape has no groups; if the shape has groups it is in no group, and filters of groups ignore it.
+    /// shape has no groups; if the shape has groups, the feature is in no group, and filters of groups do not drop its
+    /// pairs.
     std::optional<std::span<const Edge>> edges = {};
     std::optional<std::span<const std::int32_t>> points = {};
 
     /// For proximities: one per vertex, as ProximityQuery::radii. In the units of the world; poses do not scale them.
-    /// If any shape has radii, those of shapes without are 0.
+    /// If any shape has radii, all radii of a shape without them are 0.
     std::span<const double> radii = {};
     /// For proximities: the rest shape, as ProximityQuery::rest. Not posed; used for pairs within a body only.
     VertexView rest = {};

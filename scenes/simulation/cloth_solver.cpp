@@ -10,7 +10,7 @@
 namespace crumple::scenes {
 namespace {
 
-/// A triangle's edge, by its ends in ascending order, and the corner across.
+/// Edge of a triangle, with its ends in ascending order, and the triangle's opposite corner.
 struct Side {
     std::int32_t low, high, across;
 };
@@ -28,7 +28,8 @@ std::vector<Side> sides_of(std::span<const Fabric::Corners> triangles) {
     return sides;
 }
 
-/// Returns the share of a tangential movement that friction takes away, for the size of the normal correction.
+/// Returns the fraction of a tangential movement `way` that friction removes. `correction`: length of the correction
+/// along the normal.
 double friction_share(Vec3d way, double coefficient, double correction) {
     const double far = length(way);
     return far > 0 ? std::min(1.0, coefficient * correction / far) : 0;
@@ -52,7 +53,7 @@ void ClothSolver::set_fabric(const Fabric& fabric) {
         const auto& q = fabric.flat[static_cast<std::size_t>(b)];
         const double u = q[0] - p[0], v = q[1] - p[1], rest = std::sqrt(u * u + v * v);
         if (!(rest > 0)) return;
-        const double bias = 2 * std::abs(u * v) / (rest * rest);  // 0 along warp and weft, 1 between them
+        const double bias = 2 * std::abs(u * v) / (rest * rest);  // 0 along warp and weft, 1 on the diagonal
         const double stiffness = across ? bend : bias < 0.5 ? std::numeric_limits<double>::infinity() : shear;
         springs_.push_back({a, b, rest, stiffness});
     };
@@ -99,8 +100,8 @@ StepLength ClothSolver::step_freely(double dt, int substeps) {
     double fastest = 0;
     for (const Vec3d& velocity : velocities) fastest = std::max(fastest, length(velocity));
 
-    // Finds pairs that may come closer than the thickness. For the few points that are still faster, only the step is
-    // shortened.
+    // Finds the pairs of features that may come closer than the thickness during the step. The few points that are too
+    // fast for this search radius are stopped only by shorten().
     const double reach = std::min(2 * fastest * dt, properties_.thickness);
     const std::span<const NearContact> contacts = near_->find(points, properties_.thickness + reach);
     start_ = points;
@@ -163,7 +164,7 @@ void ClothSolver::part(const SelfContact& contact, double age) {
     };
     const Vec3d normal = contact.side * normalised(cross(points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]));
     const Vec3d apart = points[p] - meet(points);
-    // Points that came too close separate slowly, or they would be shot away.
+    // Points that are too close to each other move apart slowly; else they would leave the contact at a high speed.
     const double wanted = std::min(properties_.thickness, contact.distance + properties_.separation_speed * age);
     const double correction = wanted - dot(normal, apart);
     if (!(correction > 0)) return;
@@ -186,7 +187,7 @@ void ClothSolver::part(const NearContact& contact, double age) {
     const double correction = wanted - dot(contact.direction, apart);
     if (!(correction > 0)) return;
     double share = 0;
-    std::int32_t last = 0;  // that of an obstacle, if there is one
+    std::int32_t last = 0;  // largest of the points: one of an obstacle, if there is any
     for (std::size_t k = 0; k < 4; ++k) {
         share += (1 - held[static_cast<std::size_t>(contact.points[k])]) * contact.weights[k] * contact.weights[k];
         last = std::max(last, contact.points[k]);

@@ -1,6 +1,7 @@
 #pragma once
 
-// Bodies that cloth falls on, by signed distance: exact where their meshes have facets, so that cloth slides.
+// Bodies that cloth falls on, given by signed distances. Surfaces are round where the meshes of these bodies have
+// facets, so that cloth slides.
 
 #include <array>
 #include <limits>
@@ -10,11 +11,11 @@
 
 namespace crumple::scenes {
 
-/// The nearest point of a surface.
+/// Nearest point of a surface to a given point.
 struct Nearest {
-    double distance = std::numeric_limits<double>::infinity();  ///< negative inside
+    double distance = std::numeric_limits<double>::infinity();  ///< negative inside the body
     Vec3d normal{};                                             ///< outward, of length 1
-    Vec3d velocity{};                                           ///< of the surface there
+    Vec3d velocity{};                                           ///< velocity of the surface at the nearest point
 };
 
 class Collider {
@@ -25,7 +26,7 @@ class Collider {
     double friction = 0.3;  ///< Coulomb's coefficient
 };
 
-/// The half space below a height.
+/// Half space below a height.
 class Floor : public Collider {
    public:
     explicit Floor(double height) : height_(height) {}
@@ -35,17 +36,18 @@ class Floor : public Collider {
     double height_;
 };
 
-/// A ball that moves, spins and grows.
+/// Ball that moves, spins and grows.
 class Ball : public Collider {
    public:
-    Vec3d centre{}, velocity{}, spin{};  ///< spin: axis times radians a second
-    double radius = 1, growth = 0;       ///< units, and units a second
+    Vec3d centre{}, velocity{}, spin{};  ///< spin: axis of length 1, times radians per second
+    double radius = 1, growth = 0;       ///< units; units per second
 
     Nearest nearest(Vec3d point) const override;
 };
 
-/// The inside of a surface of revolution about z, drawn by a profile from the rim down to the spout. Points deeper
-/// behind it than `wall` are outside and free.
+/// Inner surface of a funnel: a surface of revolution about z, given by its profile from the rim down to the spout. The
+/// side of the axis is free. Points behind the surface are in the wall, up to a depth of `wall`; beyond that they are
+/// free, too.
 class Funnel : public Collider {
    public:
     using Profile = std::vector<std::array<double, 2>>;  ///< (radius, height)

@@ -13,9 +13,9 @@ using Edge = std::pair<std::int32_t, std::int32_t>;  // ascending
 Edge edge_of(std::int32_t a, std::int32_t b) { return std::minmax(a, b); }
 
 struct Crossing {
-    double share;                       // along the edge, from its lower index
-    bool open = true;                   // every triangle at the edge is cut right through
-    std::int32_t above = 0, below = 0;  // points
+    double share;                       // place on the edge: 0 at the end with the lower index
+    bool open = true;                   // true if every triangle at the edge is cut through
+    std::int32_t above = 0, below = 0;  // indices of the points on either side of the cut
 };
 
 class Cutter {
@@ -35,9 +35,9 @@ class Cutter {
     const std::array<double, 2>& flat(std::int32_t i) const { return uncut_.flat[static_cast<std::size_t>(i)]; }
     double height_above(const Cut& cut, std::int32_t i) const { return flat(i)[1] - cut.height(flat(i)[0]); }
 
-    /// Returns where a cut crosses the edge, as a share from its lower index, or nothing.
+    /// Returns the place at which a cut crosses the edge, 0 at its lower index and 1 at the other, or nothing.
     std::optional<double> share_of(Edge edge) const {
-        constexpr double least = 0.1;  // no slivers at the ends
+        constexpr double least = 0.1;  // distance from the ends, to avoid slivers
         for (const Cut& cut : cuts_) {
             const double a = height_above(cut, edge.first), b = height_above(cut, edge.second);
             if ((a < 0) == (b < 0)) continue;
@@ -90,7 +90,7 @@ class Cutter {
     void split(const Fabric::Corners& t) {
         auto& triangles = result_.fabric.triangles;
         for (std::size_t k = 0; k < 3;
-             ++k) {  // a alone on its side of the cut, or a and b the ends of the one crossing
+             ++k) {  // finds a, which is alone on its side of a cut, or a and b, if only the edge a b is crossed
             const std::int32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
             const Crossing *ab = crossing_of(a, b), *bc = crossing_of(b, c), *ca = crossing_of(c, a);
             if (!ab || bc) continue;

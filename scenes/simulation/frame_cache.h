@@ -1,9 +1,9 @@
 #pragma once
 
 // Disk cache of simulated frames: one folder for each scene with its parameters, under $XDG_CACHE_HOME/crumple or
-// ~/.cache/crumple. A frame is a file of its points in float32. One more file has the state, in float64, of the last
-// frame that a simulation reached, from which it resumes. Files appear whole or not at all and carry a checksum, so an
-// interrupted run leaves valid frames. Files that are missing, damaged or of another version are ignored, and frames
+// ~/.cache/crumple. A frame is a file of its points in float32. One more file has the state in float64 of the last
+// frame that was simulated; a simulation resumes from there. Files appear whole or not at all and carry a checksum, so
+// an interrupted run leaves valid frames. Files that are missing, damaged or of another version are ignored, and frames
 // that cannot be written are not cached: the cache saves time and changes no result.
 
 #include <filesystem>
@@ -32,7 +32,7 @@ class FrameCache {
     void store(int frame, std::span<const float> points, const ClothSolver& solver) const;
 
    private:
-    std::filesystem::path folder_;  ///< empty: there is no place for a cache
+    std::filesystem::path folder_;  ///< empty if neither XDG_CACHE_HOME nor HOME is usable: nothing is cached
 };
 
 }  // namespace crumple::scenes

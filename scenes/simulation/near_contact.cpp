@@ -12,11 +12,11 @@ namespace {
 
 constexpr std::int32_t cloth_group = 0, obstacle_group = 1;
 
-/// Minimum share of its distance that a pair keeps in a step. A pair in contact would stop the next step at its
-/// start.
+/// Minimum fraction of its distance that a pair keeps during a step. If it came into contact, the next step would be
+/// blocked from its start.
 constexpr double least_distance = 0.1;
 
-constexpr int iteration_limit = 10;  // rounds of holding single points back
+constexpr int iteration_limit = 10;  // maximum number of rounds in which single points are held back
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -57,7 +57,7 @@ std::span<const NearContact> NearContactFinder::find(std::span<const Vec3d> poin
         NearContact contact{of, weights};
         const Vec3d way = contact.way(points);
         contact.distance = length(way);
-        if (!(contact.distance > 0)) return;  // rounded to 0, so without a direction; shorten() keeps the pair apart
+        if (!(contact.distance > 0)) return;  // rounded to 0: no direction; shorten() keeps the pair apart
         contact.direction = (1 / contact.distance) * way;
         contacts_.push_back(contact);
     };
@@ -97,7 +97,7 @@ NearContactFinder::FreePath NearContactFinder::shorten(std::span<const Vec3d> st
     return {toi, step.share};
 }
 
-/// Moves points that would touch something only half as far as to their first impact.
+/// Changes `end` for points that would touch something: they only move half as far as to their first impact.
 void NearContactFinder::hold_back(const Impacts& impacts, std::span<const Vec3d> start, std::span<Vec3d> end,
                                   std::span<const std::uint8_t> held) {
     constexpr double never = std::numeric_limits<double>::infinity();

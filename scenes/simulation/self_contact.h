@@ -1,10 +1,12 @@
 #pragma once
 
 // Finds where cloth comes close to itself, by intersection queries of Crumple.
-// Every point of the sheet carries a whisker, a triangle that is thin as a hair: it extends from the point along the
-// sheet's normal, to both sides. Sheet and whiskers are one soup in two groups, and a whisker that meets a triangle is
-// a contact, on the point's side. Queried before a point has passed through, this keeps the sheet apart. Edges that
-// pass through edges between two whiskers go unnoticed, and cloth that is pressed hard stays partly entangled.
+//
+// Every point of the sheet has a whisker, a triangle as thin as a hair, which extends from the point along the sheet's
+// normal to both sides. Sheet and whiskers are one soup in two groups. A whisker that meets a triangle is a contact
+// between its point and this triangle; the solver keeps the point on the side on which it is. If contacts are found
+// before a point has passed through the sheet, this keeps the sheet apart. An edge that passes through another edge
+// between two whiskers is not noticed, and cloth that is pressed hard stays partly entangled.
 
 #include <cstdint>
 #include <span>
@@ -18,15 +20,15 @@ namespace crumple::scenes {
 struct SelfContact {
     std::int32_t point;
     Fabric::Corners triangle;
-    std::array<double, 3> weights;  ///< barycentric, of the point's projection to the triangle
+    std::array<double, 3> weights;  ///< barycentric coordinates of the point's projection to the triangle
     double side;                    ///< 1 if the point is on the side to which the triangle's normal points, else -1
-    double distance;                ///< between the point and the triangle's plane
+    double distance;                ///< distance between the point and the triangle's plane
 };
 
 class SelfContactFinder {
    public:
-    /// Returns the contacts of all points with triangles that are not their own and at most `reach` away along the
-    /// normal, in the order of the triangles. Valid until the next call.
+    /// Returns the contacts of all points, in the order of the triangles: with triangles that do not have the point as
+    /// a corner, and are at most `reach` away from it along the normal. Valid until the next call.
     std::span<const SelfContact> find(std::span<const Vec3d> points, std::span<const Fabric::Corners> triangles,
                                       double reach);
 

@@ -17,8 +17,9 @@ class SimulatedFrames {
     /// `key`: as for FrameCache; empty: nothing is cached on disk.
     SimulatedFrames(std::unique_ptr<Simulation> simulation, const std::string& key);
 
-    /// Returns a frame. Requests in ascending order simulate each frame once; a frame before the last one restarts the
-    /// simulation, unless it is cached. Calls `progress` with each frame that has been simulated.
+    /// Returns a frame. If frames are requested in ascending order, each is simulated once; a frame before the previous
+    /// one restarts the simulation, unless it is cached. Calls `progress` with the index of each frame that has been
+    /// simulated.
     io::TriangleMesh frame(int index, const std::function<void(int)>& progress);
 
    private:

@@ -1,8 +1,9 @@
 #pragma once
 
 // Interface of a simulated scene: its start, its advance from frame to frame, and the mesh of a frame.
-// Only the cloth's points and their velocities change; everything else follows from the parameters and the frame. So
-// the mesh of a frame can be made from its points, and a simulation can resume from any frame's state.
+//
+// Only the cloth's points and their velocities are simulated; everything else is a function of the parameters and the
+// frame. So the mesh of a frame can be made from its points, and a simulation can resume from any frame's state.
 
 #include <span>
 
@@ -15,7 +16,7 @@ class Simulation {
    public:
     virtual ~Simulation() = default;
 
-    /// Returns the flat cloth of a frame.
+    /// Returns the cloth of a frame before deformation: its triangles, and its points in the plane.
     virtual Fabric fabric(int frame) const = 0;
 
     /// Returns the solver at frame 0.

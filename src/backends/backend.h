@@ -26,9 +26,9 @@ struct SceneMemory {
     virtual ~SceneMemory() = default;
 };
 
-/// Base class of all backends. Pairs count if they pass the query's pair filter or, for a scene made of a world, the
-/// world's filter (PreparedScene::bodies). A backend with threads overrides parallel_for() to provide them. All calls
-/// check the Cancellation that the backend was made with.
+/// Base class of all backends. Searches find only pairs that the pair filter keeps: the query's filter or, for a scene
+/// made of a world, the world's filter (PreparedScene::bodies). A backend with threads overrides parallel_for() to
+/// provide them. All calls check the Cancellation that the backend was made with.
 class BackendBase : public ParallelFor {
    public:
     /// Fills `result.pairs` (sorted, unique), offsets, hit flags, contacts if requested, and the statistics' counts and
@@ -38,14 +38,16 @@ class BackendBase : public ParallelFor {
     virtual void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
                       Intersections& result) = 0;
 
-    /// True for the reference that other backends are compared with: searches then leave nothing out beforehand.
+    /// True for the reference, which tests compare other backends with. Searches then pass whole scenes to the backend,
+    /// without leaving out beforehand what is too far from everything else.
     virtual bool by_brute_force() const { return false; }
 
     /// Returns true if there is any pair. Stops at the first one, or soon after it.
     virtual bool any(const PreparedScene& scene, const IntersectionQuery& query) = 0;
 
-    /// Maximum number of worlds side by side in a scene (PreparedScene::worlds) for find(), any() and any_by_world().
-    /// These do not search several worlds in chunks: they throw MemoryMeter::Exceeded if memory does not suffice.
+    /// Returns the maximum number of worlds side by side in one scene (PreparedScene::worlds) for find(), any() and
+    /// any_by_world(). For a scene of several worlds, these calls do not search in chunks: they throw
+    /// MemoryMeter::Exceeded if memory does not suffice.
     virtual int worlds_at_once() const { return 1; }
 
     /// Sets the flag of each world that has a pair; all flags are 0 before. Overrides for several worlds fill in the
@@ -55,8 +57,8 @@ class BackendBase : public ParallelFor {
         flags[0] = any(scene, query);
     }
 
-    /// Delivers all pairs, numbered as by `find`, to a stream (Detector::stream). If it throws, some may have been
-    /// delivered.
+    /// Delivers all pairs, numbered as by `find`, to a stream (Detector::stream). If the call throws, some pairs may
+    /// have been delivered.
     virtual void stream(const PreparedScene& scene, const IntersectionQuery& query, PairStream& to,
                         Statistics& statistics);
 
@@ -68,12 +70,12 @@ class BackendBase : public ParallelFor {
     /// Finds pairs of features of a scene of one mesh. Fills rows, counts and stage times.
     virtual void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) = 0;
 
-    /// Delivers the same rows to a stream.
+    /// Delivers the rows that find() fills in for the same request, to a stream.
     virtual void stream(const PreparedScene& scene, const FeatureRequest& request, FeatureStream& to,
                         Statistics& statistics);
 
-    /// Calls for meshes in device memory (b null: one mesh), which the backend checks itself. Throw Error
-    /// (invalid_argument) for all backends but cuda.
+    /// Calls for meshes in device memory; `b` is null for a single mesh. The backend validates these meshes itself. All
+    /// backends but cuda throw Error (invalid_argument).
     virtual void find(const MeshView& a, const MeshView* b, const IntersectionQuery& query, Intersections& result);
     virtual bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
     virtual std::vector<Part> partition(const MeshView& a, const MeshView* b, int count);
@@ -85,8 +87,8 @@ class BackendBase : public ParallelFor {
     /// Returns the calls for feature queries on meshes in device memory.
     virtual DeviceFeatureCalls& device_feature_search();
     /// Calls for worlds whose poses lie in device memory. find() returns false if one scene cannot hold all worlds, and
-    /// throws MemoryMeter::Exceeded if memory cannot. The caller then downloads the poses by poses_of() and searches
-    /// the world with poses on the host.
+    /// throws MemoryMeter::Exceeded if memory does not suffice. In both cases the caller downloads the poses by
+    /// poses_of() and searches the world with poses on the host.
     virtual bool find(const World& world, const IntersectionQuery& query, Intersections& result);
     virtual std::vector<Pose> poses_of(const DevicePoses& poses);
     virtual LaunchNumber launch(const World& world, const IntersectionQuery& query);
@@ -100,7 +102,7 @@ class BackendBase : public ParallelFor {
     /// Swaps the cache of the previous call's scene with `memory`, which holds that of another scene or is null.
     virtual void swap_memory(std::unique_ptr<SceneMemory>&) {}
 
-    /// Frees all that is kept between calls: memory and warm-start centres.
+    /// Frees everything that is cached between calls: memory and warm-start centres.
     virtual void release() = 0;
 };
 

@@ -17,8 +17,8 @@ FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const
     return {impact.meets, impact.toi, impact.start};
 }
 
-// Vertices rarely touch edges or other vertices, and a lower bound on their distance is cheap: such pairs take the
-// decision with a minimum distance even for contact.
+// Pairs of a vertex and an edge, or of two vertices, are decided as with a minimum distance even for contact, with a
+// minimum distance of 0: they rarely touch, and a lower bound on their distance is cheap.
 FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, const FeatureRequest& query, FeatureCounts& counts) {
     const MinDistance separation{query.distance, query.share, query.approaching_only};
     if (!separation.contact_only() || kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
@@ -27,7 +27,7 @@ FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, const FeatureRe
     const auto decide = kind == FeatureKind::vertex_face ? vertex_face_impact : edge_edge_impact;
     const Impact impact = decide(p[0], p[1], p[2], p[3], by, Filtered::yes);
     counts.rational += by.exact;
-    if (impact.start && query.approaching_only) return {};  // touching features cannot approach
+    if (impact.start && query.approaching_only) return {};  // features at distance 0 cannot come nearer
     return {impact.meets, impact.toi, impact.start};
 }
 

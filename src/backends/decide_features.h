@@ -14,8 +14,8 @@ namespace crumple {
 
 struct FeatureDecision {
     bool hit = false;
-    double value = 0;   ///< toi, or squared distance
-    bool flag = false;  ///< start, or touching
+    double value = 0;   ///< time of an impact (Impact::toi), or squared distance of a proximity
+    bool flag = false;  ///< an impact happens at the start (Impact::start), or a proximity's distance is 0
 };
 
 /// Counts of decisions.
@@ -32,7 +32,7 @@ FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::
 bool surely_later(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
                   const FeatureRequest& query, double time);
 
-/// Decides a pair that a device has packed.
+/// Decides a pair whose input a device has packed.
 FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts);
 
 /// Decides a proximity, but leaves the distance of a near pair to SIMD lanes: adds the pair to `batch`, which must not
@@ -42,8 +42,8 @@ std::optional<FeatureDecision> decide_or_add(FeatureKind kind, const PreparedSce
                                              const std::int32_t (&vertex)[4], const FeatureRequest& query,
                                              FeatureCounts& counts, cpu::GuessBatch& batch);
 
-/// Returns true if the features are adjacent without a common vertex: `query.rings`, which must not be null, joins a
-/// vertex of one to a vertex of the other.
+/// Returns true if two features without a common vertex are adjacent: a path of at most query.rings->rings() edges
+/// joins a vertex of one to a vertex of the other. `query.rings` must not be null.
 bool are_adjacent(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query);
 
 }  // namespace crumple

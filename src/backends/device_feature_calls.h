@@ -1,6 +1,6 @@
 #pragma once
 
-// Part of the backend interface: feature queries on meshes in device memory. Only the cuda backend has it.
+// Part of the backend interface: feature queries on meshes in device memory. Only the cuda backend implements it.
 //
 // The host derives edges, and the triangle that owns each feature, from a copy of the mesh's triangles and
 // codimensional edges and points. A request refers to the features of the last copy, whose counts must match the mesh.
@@ -41,10 +41,11 @@ class DeviceFeatureCalls {
 
     /// Implements Detector::launch for feature queries.
     virtual LaunchNumber launch(const DeviceShape& mesh, const FeatureRequest& request) = 0;
-    /// Waits for a launch, or reads the result of its last replay. Returns nothing if find_again() has to find the
-    /// result.
+    /// Waits for a launch or, if it was captured in a graph, reads the result of the graph's last replay. Returns
+    /// nothing if find_again() has to find the result.
     virtual std::optional<AnyDeviceResult> wait(LaunchNumber launch) = 0;
-    /// Finds the result of that launch again. Returns nothing if the mesh has other features than the request.
+    /// Finds the result of a launch for which wait() has returned nothing. Returns nothing if the mesh has other
+    /// features than the request.
     virtual std::optional<AnyDeviceResult> find_again(LaunchNumber launch, const DeviceShape& mesh,
                                                       const FeatureRequest& request) = 0;
 };

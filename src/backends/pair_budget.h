@@ -1,6 +1,6 @@
 #pragma once
 
-// Ends a call as soon as its pairs are certain not to fit the memory limit, instead of counting them to the end.
+// Early end of a call that counts pairs: it throws as soon as the memory limit is certain not to suffice for them.
 
 #include <algorithm>
 #include <atomic>
@@ -11,7 +11,7 @@
 
 namespace crumple {
 
-/// Thrown if the result alone exceeds the limit, so that no other way of finding it need be tried.
+/// Thrown if the result alone exceeds the limit, so that a search that takes less memory would not help.
 struct ResultExceeds : MemoryMeter::Exceeded {};
 
 class PairBudget {
@@ -23,8 +23,8 @@ class PairBudget {
             room_ = std::max<std::int64_t>((meter.limit - none) / (result_bytes(scene, query, 1) - none), 0);
     }
 
-    /// Counts newly found pairs. Thread-safe. Throws ResultExceeds, with the bytes that a result of the pairs so far
-    /// takes, if these exceed the limit.
+    /// Counts newly found pairs. Thread-safe. Throws ResultExceeds if a result with all pairs so far would exceed the
+    /// limit, with the bytes of that result.
     void add(std::int64_t pairs) {
         const std::int64_t found = found_.fetch_add(pairs, std::memory_order_relaxed) + pairs;
         if (found > room_) throw ResultExceeds{{result_bytes(scene_, query_, std::min(found, most))}};

@@ -37,8 +37,8 @@ bool same_size(const Shape& a, const Shape& b) {
            a.triangles.rows == b.triangles.rows;
 }
 
-// Passes the contents of a shape that its name does not identify to take(), word by word, until take() returns false:
-// groups and, if the shape has no name, positions and triangles. Returns false if take() did.
+// Passes those contents of a shape that its name does not identify to take(), one number at a time, until take()
+// returns false: groups and, if the shape has no name, positions and triangles. Returns false if take() did.
 template <class Take>
 bool for_each_word(const Shape& shape, Take take) {
     const bool named = shape.name != 0;
@@ -98,8 +98,8 @@ std::unique_ptr<StaticWorlds> StaticWorlds::make(const World& world, const PairF
 
 std::int32_t StaticWorlds::worlds() const { return read_->outline.worlds(); }
 
-// Collects the indices of worlds in which a pair is possible; worlds() stands for pairs among bodies that are in all
-// worlds. Returns false if one scene cannot hold them.
+// Collects the indices of the caller's worlds in which a pair is possible; the index worlds() stands for pairs among
+// bodies that are in all worlds. Returns false if one scene cannot hold all of these.
 bool StaticWorlds::choose_passes(int worlds_at_once) {
     const WorldOutline& outline = read_->outline;
     const std::int32_t worlds = outline.worlds(), rest = outline.first_body(worlds);
@@ -255,7 +255,7 @@ std::size_t StaticWorlds::added_of_triangle(std::int64_t t) const {
     return static_cast<std::size_t>(after - first_of_added_.begin()) - 1;
 }
 
-// Pairs come world by world.
+// Requires that `found` lists the pairs world by world.
 void StaticWorlds::report_pairs(const Intersections& found, const IntersectionQuery& query,
                                 Intersections& result) const {
     std::size_t world = 0;

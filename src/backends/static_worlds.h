@@ -1,11 +1,12 @@
 #pragma once
 
-// One unposed scene of all bodies of all worlds, for a device that has the poses and caches the scene between calls.
-// Worlds lie side by side in the order of the result (world_scene.h). The scene numbers the vertices of each body, but
-// shape_vertices() stores those of each shape only once.
+// One scene of all bodies of all worlds, without poses, for a device that has the poses and caches the scene between
+// calls. Worlds lie side by side in the order of the result (world_scene.h). A body that is in all worlds occurs in
+// each of them. Each occurrence of a body has vertex numbers of its own, at which the device writes its posed vertices,
+// but shape_vertices() stores the unposed vertices of each shape only once.
 //
-//     triangles   | world 0: its bodies, those in all worlds | world 1: ... | ... | those in all worlds by themselves
-//     vertices    | body | body | ...     each a copy of its shape's, under its pose
+//     triangles   | world 0: its bodies, then those in all worlds | world 1: ... | ... | only those in all worlds
+//     vertices    | occurrence of a body | occurrence of a body | ...
 
 #include <cstddef>
 #include <cstdint>
@@ -22,12 +23,12 @@
 
 namespace crumple {
 
-/// Occurrence of a body in the scene: one that is in all worlds occurs in each.
+/// Occurrence of a body in the scene.
 struct alignas(16) StaticBody {
     std::uint32_t first_vertex = 0;  ///< in the scene
-    std::uint32_t shape_vertex = 0;  ///< first vertex of its shape, among those of all shapes
-    std::int32_t body = 0;
-    std::uint32_t float32 = 1;  ///< 1 if its posed vertices are rounded to float32
+    std::uint32_t shape_vertex = 0;  ///< first vertex of its shape, in StaticWorlds::shape_vertices()
+    std::int32_t body = 0;           ///< index in World::bodies
+    std::uint32_t float32 = 1;       ///< 1 if its posed vertices are rounded to float32
 };
 
 class StaticWorlds {
@@ -43,7 +44,7 @@ class StaticWorlds {
     /// another size or precision.
     bool is_of(const World& world, const PairFilter& rules) const;
 
-    /// The scene, without vertices. Its corners and groups are valid until drop_lists().
+    /// Returns the scene. Its vertices are unposed; they, corners and groups are valid until drop_lists().
     const PreparedScene& scene() const { return scene_; }
     /// Vertices of all shapes, concatenated, in the scene's precision.
     const std::byte* shape_vertices() const { return shape_vertices_.data(); }
@@ -52,7 +53,8 @@ class StaticWorlds {
     /// True if no two triangles could meet.
     bool empty() const { return passes_.empty(); }
     const BodyFilter& rules() const { return rules_; }
-    /// First triangle in the scene of the body of each class (BodyFilter).
+    /// Returns, for each class of triangles (BodyFilter::classes), the first triangle in the scene of the body that the
+    /// class belongs to.
     std::span<const std::int32_t> first_of_class() const { return first_of_class_.span(); }
     /// Number of the caller's worlds, and the first triangle in the scene of each; the last entry is the first triangle
     /// of the section in which bodies that are in all worlds meet each other.
@@ -65,7 +67,7 @@ class StaticWorlds {
     /// Throws the Error for a posed vertex of the scene that is not finite. `poses`: those of all bodies.
     [[noreturn]] void fail_not_finite(std::int64_t vertex, std::span<const Pose> poses) const;
 
-    /// Translate what was found in the scene to a result about the caller's worlds and bodies: flags, one for each
+    /// Add the result of a search of the scene to a result about the caller's worlds and bodies: flags, one for each
     /// world of the scene, or all pairs.
     void report_flags(std::span<const std::uint8_t> flags, Intersections& result) const;
     void report_pairs(const Intersections& found, const IntersectionQuery& query, Intersections& result) const;
@@ -83,10 +85,10 @@ class StaticWorlds {
     std::size_t added_of_triangle(std::int64_t t) const;
 
     MemoryMeter& meter_;
-    std::vector<Shape> shapes_;  ///< their arrays may no longer exist
-    Array<Body> all_;
+    std::vector<Shape> shapes_;  ///< the arrays that they view may no longer exist
+    Array<Body> all_;            ///< the caller's bodies
     PairFilter given_;
-    std::vector<Array<std::uint64_t>> contents_;  ///< by shape: words that its name does not identify
+    std::vector<Array<std::uint64_t>> contents_;  ///< by shape: the numbers that its name does not identify
     BodyFilter rules_;
     std::unique_ptr<Read> read_;
     PreparedScene scene_;
@@ -95,9 +97,9 @@ class StaticWorlds {
     Array<StaticBody> bodies_;
     Array<std::int64_t> first_of_added_;  ///< first triangle of each of `bodies_`; and the end
     Array<std::int32_t> first_of_class_;
-    Array<std::int64_t> first_of_world_;   ///< by world of the caller; then that of the last section
-    Array<std::int64_t> first_of_joined_;  ///< by world of the scene; and the end
-    Array<std::int32_t> passes_;           ///< world index of each world of the scene; worlds(): the last section
+    Array<std::int64_t> first_of_world_;   ///< first triangle of each of the caller's worlds; then of the last section
+    Array<std::int64_t> first_of_joined_;  ///< first triangle of each world of the scene; and the end
+    Array<std::int32_t> passes_;  ///< for each world of the scene, the caller's world; worlds() for the last section
 };
 
 }  // namespace crumple

@@ -12,21 +12,21 @@
 
 namespace crumple {
 
-/// Cancellation state of one detector. Backends call check() between pieces of work of a few milliseconds at most, from
-/// any thread.
+/// Cancellation state of one detector. Backends and searches call check() between pieces of work of a few milliseconds
+/// at most, from any thread.
 class Cancellation {
    public:
     void set_poll(std::function<void()> poll) { poll_ = std::move(poll); }
 
-    /// Begins a call of this thread, which `stop` may cancel.
+    /// Begins a call on this thread, the caller's. A stop request of `stop` cancels the call.
     void begin(std::stop_token stop) {
         stop_ = std::move(stop);
         caller_ = std::this_thread::get_id();
         polled_ = Clock::now();
     }
 
-    /// Throws Error (cancelled) after a stop was requested. In the caller's thread also calls the poll function, at
-    /// most every 20 ms, and lets its exceptions through.
+    /// Throws Error (cancelled) after a stop was requested. On the caller's thread, first calls the poll function (if
+    /// one is set, and at most every 20 ms), and lets its exceptions through.
     void check() {
         if (poll_ && std::this_thread::get_id() == caller_ && Clock::now() - polled_ >= interval) {
             poll_();

@@ -1,6 +1,7 @@
 #pragma once
 
-// Memory that a meter counts for the lifetime of an object, for containers that do not count themselves.
+// Bytes that a MemoryMeter counts for the lifetime of an object, for containers such as std::vector, which do not
+// report their memory to the meter.
 
 #include <atomic>
 #include <cstdint>
@@ -22,7 +23,8 @@ class MemoryClaim {
     MemoryClaim(const MemoryClaim&) = delete;
     MemoryClaim& operator=(const MemoryClaim&) = delete;
 
-    /// Adds to the claim. Throws MemoryMeter::Exceeded if that exceeds the limit. Thread-safe.
+    /// Adds to the claim. Throws MemoryMeter::Exceeded, without a change, if the meter's limit would be exceeded.
+    /// Thread-safe.
     void add(std::size_t bytes) {
         meter_.add(static_cast<std::int64_t>(bytes));
         bytes_ += static_cast<std::int64_t>(bytes);

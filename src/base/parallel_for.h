@@ -10,8 +10,8 @@ namespace crumple {
 
 using Task = FunctionRef<void(std::size_t)>;
 
-/// Runs task(i) for i in [0, n), in any order and perhaps several at once; throws if a task does. This base class runs
-/// them one after the other.
+/// Parallel loop: parallel_for() runs task(i) for each i in [0, n), in any order and perhaps several at once. It throws
+/// if a task does. This base class runs the tasks one after the other; subclasses may use threads.
 class ParallelFor {
    public:
     virtual ~ParallelFor() = default;

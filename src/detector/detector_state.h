@@ -1,7 +1,7 @@
 #pragma once
 
-// State that a detector keeps between calls, and the guards of its calls: memory limit, cancellation, floating-point
-// environment.
+// State that a detector keeps between calls, and functions that guard its calls: they set the floating-point
+// environment, and handle cancellation and the memory limit.
 
 #include <algorithm>
 #include <memory>
@@ -123,7 +123,7 @@ struct DetectorState {
         run_above(meter.used, attempt, again, [](const Error&) { return false; });
     }
 
-    /// Guards a launch, or the wait for its result.
+    /// Guards a launch (run_launch) or the wait for its result (run_wait). Without a retry if memory is short.
     template <class Work>
     LaunchNumber run_launch(Work work) {
         LaunchNumber launched = 0;

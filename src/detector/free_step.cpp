@@ -44,7 +44,8 @@ class Step {
     /// Returns the number of worlds, which are numbered from 0.
     std::size_t worlds() const { return worlds_; }
 
-    /// Writes the position of vertex v after a share of its trajectory, rounded to the precision of its body.
+    /// Writes the position that vertex v has after a share of the step to `positions`, rounded to the precision of its
+    /// body.
     void go(std::int64_t v, std::size_t body, double share, Array<double>& positions) const {
         for (int axis = 0; axis < 3; ++axis) {
             const double a = start_[3 * v + axis], b = end_[3 * v + axis];
@@ -144,8 +145,8 @@ class Units {
 
     double share(std::size_t body, std::int64_t vertex) const { return share_[unit(body, vertex)]; }
 
-    /// Records the impacts that the next cut has to avoid. Returns false if there are none, except in worlds that are
-    /// held.
+    /// Records the impacts that the next cut() has to avoid. Ignores impacts of worlds that are held at the start.
+    /// Returns false if there are no others.
     bool note(const Impacts& found) {
         bool any = false;
         if (found.count == 0 && held_ == Held::worlds) {
@@ -164,8 +165,8 @@ class Units {
 
     /// Shortens the steps of the units that take part in recorded impacts.
     void cut() {
-        // Cut n of a unit, counted from 0, multiplies its share by 1 - 2^-bits[n] times the time of contact; later cuts
-        // multiply it by half the time of contact.
+        // Cut n of a unit, counted from 0, multiplies its share by (1 - 2^-bits[n]) times the time of contact; cuts
+        // after the last element of `bits` multiply it by half the time of contact.
         constexpr std::array<int, 4> bits{16, 8, 4, 2};
         constexpr std::size_t most_cuts = 40;
         constexpr double least_share = 0x1p-40;
@@ -229,8 +230,9 @@ class Units {
     std::vector<std::uint8_t> stuck_;  ///< by body: 1 if its world is held at the start
 };
 
-/// True if bodies that are in all worlds can have impacts among themselves. Such an impact belongs to no world, and the
-/// first impact of a world may hide it, so that only lists contain it.
+/// True if bodies that are in all worlds can have impacts among themselves. Such an impact belongs to no world, so
+/// Impacts::world_first does not contain it, and an impact of a world may precede it in Impacts::first; only the lists
+/// always contain it.
 bool needs_lists(const Scene& scene) {
     const auto* world = std::get_if<World>(&scene.source());
     if (!world) return false;

@@ -17,7 +17,8 @@ struct MeshCalls : WorldCalls {
 
     const Intersections& find(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
                               std::stop_token stop);
-    /// Finds the pairs of one mesh or two, or if `part` is not null, those that the part owns.
+    /// Finds the pairs of one mesh or two. If `part` is not null, the meshes are those of the part, and only pairs that
+    /// the part owns are found.
     const Intersections& find_pairs(const MeshView& a, const MeshView* b, const Part* part,
                                     const IntersectionQuery& query, std::stop_token stop);
     bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query, std::stop_token stop);

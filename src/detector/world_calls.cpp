@@ -117,8 +117,8 @@ const typename Query::Result& WorldCalls::find_features(const World& world, cons
     });
 }
 
-// A call that has delivered blocks cannot be retried. Under a limit it therefore frees all cached memory first, and
-// uses as little as possible.
+// A call that has delivered blocks cannot be retried. So under a memory limit it frees all cached memory first, and
+// then uses as little as possible.
 template <class Query>
 Statistics WorldCalls::stream_features(const World& world, const Query& query, bool bodies,
                                        const FeatureBlocks<typename Query::Result>& blocks, std::stop_token stop) {

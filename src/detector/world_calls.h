@@ -75,9 +75,8 @@ struct WorldCalls : DetectorState {
     template <class Query>
     Statistics stream_features(const World& world, const Query& query, bool bodies,
                                const FeatureBlocks<typename Query::Result>& blocks, std::stop_token stop);
-    /// Runs search(low_memory) under the memory limit and returns the result. The memory that several workers need
-    /// depends on scheduling, so the first attempt may exceed the limit; the second one is a low-memory search
-    /// (FeatureRequest::low_memory).
+    /// Runs search(false) under the memory limit and returns the result. If this exceeds the limit, which may depend on
+    /// the scheduling of workers, runs search(true): a low-memory search (FeatureRequest::low_memory).
     template <class Result, class Search>
     const Result& answered(Result& result, std::stop_token stop, Search search) {
         Stopwatch watch;

@@ -1,12 +1,13 @@
 #pragma once
 
-// A part on the rank that owns it, assembled from the deltas of all ranks (members.h) in the form that searches read:
+// A part of the scene (crumple/part.h) on the rank that owns it, that is, searches it. It is assembled from the deltas
+// that all ranks send (members.h), in the form that searches read:
 //
-//     vertices    run | run | run ...      a run is what one rank added to its list in one call
+//     vertices    run | run | run ...      a run: consecutive vertices of one rank's list for this part
 //     triangles   by ascending id, from all ranks, each with the rank that provided it
 //
-// A ghost vertex is in several runs. Triangles refer to its first copy, so that triangles of different ranks are
-// adjacent.
+// A ghost vertex, which several ranks have, is in several runs. Triangles refer to its first copy, so that triangles of
+// different ranks are adjacent.
 
 #include <array>
 #include <cstdint>
@@ -21,7 +22,7 @@
 
 namespace crumple::distribute {
 
-/// Delta of one rank, ready to be merged.
+/// Delta that one rank sends for a part.
 struct PartNews {
     int rank = 0;
     PartDelta delta;
@@ -43,7 +44,7 @@ class AssembledPart {
     /// Per-scene cache of the backend for this part.
     std::unique_ptr<SceneMemory>& memory() { return memory_; }
     std::int64_t size() const { return part_.mesh.size(); }
-    /// Returns the approximate bytes of the lists.
+    /// Returns the approximate size of the lists in bytes.
     std::int64_t bytes() const;
     /// Returns the rank that provided a triangle, given by index in the part.
     int rank_of(std::int32_t triangle) const { return rank_[static_cast<std::size_t>(triangle)]; }
@@ -51,8 +52,9 @@ class AssembledPart {
     /// Merges deltas. Coordinates of new vertices are received later.
     void take(std::span<const PartNews> news);
 
-    /// Maps rows [first, first + n) of a rank's list of vertices to the part's vertices: calls visit(first index in the
-    /// part, first of the n rows, count) for each contiguous piece.
+    /// Maps rows [first, first + n) of a rank's list of vertices to vertices of the part. Calls visit(vertex, row,
+    /// count) for each contiguous piece: `vertex` is its first vertex in the part, `row` its first row, counted from
+    /// `first`.
     template <class Visit>
     void visit_coordinates(int rank, std::int64_t first, std::size_t n, Visit visit) const {
         const auto end = first + static_cast<std::int64_t>(n);
@@ -69,7 +71,7 @@ class AssembledPart {
         return reinterpret_cast<std::array<Scalar, 3>*>(std::get<std::vector<Scalar>>(xyz).data());
     }
     const std::variant<std::vector<float>, std::vector<double>>& end() const { return end_; }
-    /// For queries about features: id of each vertex, and features that each triangle owns.
+    /// For queries about features: the id of each vertex over all ranks, and the features that a triangle owns.
     std::span<const std::int32_t> vertex_ids() const { return vertex_id_; }
     const OwnedFeatures& owned(std::size_t triangle) const { return owned_[triangle]; }
     /// Returns a number that changes whenever anything but coordinates changes.

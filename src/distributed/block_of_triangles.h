@@ -1,10 +1,10 @@
 #pragma once
 
-// A block of a scene's triangles as the local mesh of a rank, for ranks that are threads of the process that has the
-// scene.
+// A block of a scene's triangles, as the local mesh of rank r. The ranks are threads of the process that has the scene
+// of m triangles.
 //
-//     triangles   [r m / ranks, (r + 1) m / ranks) of m
-//     vertices    those of these triangles, and the r-th block of all vertices, so that every vertex is on some rank
+//     triangles   [r m / ranks, (r + 1) m / ranks)
+//     vertices    the vertices of these triangles, and the r-th block of all vertices, so that each is on some rank
 
 #include <cstdint>
 #include <span>
@@ -20,10 +20,10 @@ class Block {
    public:
     Block(int rank, int ranks) : rank_(rank), ranks_(ranks) {}
 
-    /// Returns the local mesh; valid until the next call. Copies coordinates, and renumbers vertices if triangles have
-    /// changed.
+    /// Returns the local mesh; valid until the next call. Copies the coordinates; renumbers the vertices if the scene's
+    /// triangles have changed.
     MeshShare take(const PreparedScene& scene);
-    /// Returns the end positions of the local mesh, if the scene moves.
+    /// Returns the end positions of the local mesh, if the scene of the last take() moves.
     VertexView end() const { return view_of(end_); }
 
    private:

@@ -1,6 +1,7 @@
 #pragma once
 
-// Offsets of rows that are exchanged between ranks, ordered by rank, then by part.
+// Offsets of groups of rows in a list of rows that ranks exchange. A group has the rows of one part from or for one
+// rank; groups are ordered by rank, then by part.
 
 #include <algorithm>
 #include <cstdint>
@@ -11,11 +12,13 @@ namespace crumple::distribute {
 
 class ByPart {
    public:
+    /// Appends a group of rows.
     void add(std::int64_t rows) { first_.push_back(first_.back() + rows); }
     std::int64_t rows() const { return first_.back(); }
 
-    /// Splits rows [begin, begin + n) by part: calls visit(number of the add() call, first row of that part, first of
-    /// the n rows, count) for each piece.
+    /// Splits rows [begin, begin + n) of the list into pieces of one group each. Calls visit(group, first, row, count)
+    /// for each piece: `group` is the index of the group, `first` the piece's first row within the group, and `row` its
+    /// first row counted from `begin`.
     template <class Visit>
     void visit(std::int64_t begin, std::size_t n, Visit visit) const {
         std::int64_t at = begin;

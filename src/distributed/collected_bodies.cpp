@@ -1,5 +1,5 @@
-// Queries about bodies on a rank: searches their triangles as a local mesh, then converts triangles and features of the
-// result to bodies and indices within them.
+// Queries about bodies on a rank: searches the triangles of the bodies as a local mesh, then converts the triangles and
+// features in the result to bodies and indices within bodies.
 
 #include <algorithm>
 #include <utility>
@@ -68,7 +68,8 @@ void RankDetector::name_bodies_of_rows() {
     result_ = {};
 }
 
-// Finds the pairs of bodies that collide in each part, and sends each pair once to the rank of its first body.
+// Finds the pairs of bodies that collide in each part, and sends them to the rank of their first body, which removes
+// duplicates.
 void RankDetector::search_body_pairs(const IntersectionQuery& query) {
     std::vector<BodyPair> colliding;
     const auto each = [&](AssembledPart& part) {

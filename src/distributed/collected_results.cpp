@@ -1,4 +1,4 @@
-// The last three phases of each query on a rank, which search, exchange rows and make the result.
+// The last three phases of each query on a rank (rank_detector.h): searching, exchanging rows and making the result.
 
 #include <array>
 #include <bit>
@@ -34,7 +34,7 @@ std::int64_t RankDetector::add_up(std::int64_t found, bool cut_short) {
     statistics_.largest_work = 1e-6 * static_cast<double>(largest);
     statistics_.mean_work = 1e-6 * sum / transport_.size();
     if (cut_short) return all;
-    // The expected work of the next call is a running mean, since times jitter.
+    // The expected work of the next call is a running mean, because measured times vary from call to call.
     if (expected_work_.size() != work_.size()) expected_work_ = work_;
     for (std::size_t k = 0; k < work_.size(); ++k) expected_work_[k] = (expected_work_[k] + work_[k]) / 2;
     return all;
@@ -70,8 +70,9 @@ void RankDetector::search_rows(const IntersectionQuery& query, RankOutput wants)
     result_.any = result_.count > 0;
 }
 
-// each(part, part in the form for features) returns the result of a part. `listed`: rows are requested; `cut_short`:
-// the first hit suffices.
+// Searches for pairs of features. each(part, features) returns the result of one part; `features` is the part in the
+// form for such queries (feature_assembly.h). `listed`: true if rows are requested. `cut_short`: true if the first hit
+// suffices.
 template <class Each, class Result>
 void RankDetector::search_features(Each each, bool listed, bool cut_short, Result& result) {
     FoundFeatures rows(transport_.size());

@@ -48,8 +48,8 @@ void Delivery::run(const What& what, FunctionRef<void(std::int64_t bytes)> room)
     for (int group = 0; group < groups; ++group) run_group(group, groups, room);
 }
 
-// Returns 1, unless the deltas of some rank exceed the size of a message batch: then the largest number of parts that a
-// rank owns.
+// Returns the number of groups into which parts are divided: 1, or if the deltas of some rank exceed the size of a
+// message batch, the largest number of parts that a rank owns, so that each group has at most one part of each rank.
 int Delivery::choose_groups() {
     std::int64_t most = 0;
     agree_(Phase::members, [&] { most = members_.bytes_of_changes(); });
@@ -107,7 +107,7 @@ void Delivery::exchange_counts() {
         coming_.reserve(all(traffic.in));
     });
     const auto first = first_of_each(traffic.out);
-    // Each message batch appends rows of all ranks, so those of one rank are not contiguous until sorted below.
+    // Each message batch appends rows of all ranks, so the rows of one rank are contiguous only after the sort below.
     rounds_.exchange<CountsRow>(
         traffic,
         [&](int rank, std::int64_t begin, std::span<CountsRow> rows) {
@@ -125,8 +125,8 @@ void Delivery::exchange_counts() {
     std::stable_sort(coming_.begin(), coming_.end(), [](const Coming& a, const Coming& b) { return a.rank < b.rank; });
 }
 
-// Per triangle: id, group, three corners, rank, masks, owned features. Per vertex: coordinates. Does not count that a
-// merge has the old and the new lists at once.
+// Counts per triangle: id, group, three corners, rank, masks, owned features; per vertex: coordinates. Does not count
+// the copy of a part's lists that exists while deltas are merged.
 std::int64_t Delivery::bytes_coming() const {
     std::int64_t bytes = 0;
     for (const Coming& some : coming_)

@@ -1,7 +1,8 @@
 #pragma once
 
-// Updates parts on their owners: sends deltas first, then coordinates, which are received directly into the arrays that
-// searches read. Large deltas are sent in groups of parts, so that they are never all in memory at once.
+// Updates the parts of the scene on their owners, the ranks that search them: sends deltas (members.h) first, then
+// coordinates, which are received directly into the arrays that searches read. Large deltas are sent in groups of
+// parts, so that they are never all in memory at once.
 
 #include <cstdint>
 #include <span>
@@ -28,12 +29,13 @@ class Delivery {
     struct What {
         bool float32 = true, features = false, moving = false;
     };
-    /// Updates all parts. Collective. Calls room(bytes) with the additional bytes that this rank's parts need before
-    /// they are allocated.
+    /// Updates all parts. Collective. Before memory for the parts of this rank is allocated, calls room(bytes) with the
+    /// number of additional bytes.
     void run(const What& what, FunctionRef<void(std::int64_t bytes)> room);
 
    private:
-    /// Counts of the rows that this rank sends for a part, possibly one of its own. Parts without rows have no entry.
+    /// Counts of the rows that this rank sends for a part, which may be one of its own. Parts for which it sends none
+    /// have no entry.
     struct Leaving {
         int rank;  ///< owner of the part
         std::int32_t part;
@@ -62,8 +64,8 @@ class Delivery {
     template <class Scalar>
     void exchange_coordinates(const VertexReader& reader, bool at_end);
 
-    /// Exchanges count(counts) rows of each part. pack(leaving, first, rows) writes rows to send, unpack(coming, first,
-    /// rows) reads received rows.
+    /// Exchanges count(counts) rows for each entry of leaving_ and coming_. pack(leaving, first, rows) writes the
+    /// entry's rows from `first` on, to be sent; unpack(coming, first, rows) reads received ones.
     template <class Row, class Count, class Pack, class Unpack>
     void stream(Count count, Pack pack, Unpack unpack);
     /// Exchanges one list of each delta: list(delta), which has `each` elements per row and count(counts) rows.
@@ -84,11 +86,11 @@ class Delivery {
     int most_parts_ = 1;               ///< largest number of parts that a rank owns
 
     // Current group of parts:
-    std::vector<std::int32_t> parts_;  ///< parts with members of this rank, now or before
+    std::vector<std::int32_t> parts_;  ///< parts that this rank has, or had, members in
     std::vector<AssembledPart*> mine_;
     std::vector<Leaving> leaving_;             ///< by owner, then part
     std::vector<Coming> coming_;               ///< by rank, then part
-    std::vector<std::vector<PartNews>> news_;  ///< 1 list per part of this rank, by sending rank
+    std::vector<std::vector<PartNews>> news_;  ///< by part of this rank: the deltas received
 };
 
 }  // namespace crumple::distribute

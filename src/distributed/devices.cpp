@@ -53,7 +53,8 @@ void append(Array<T>& all, const Array<T>& some) {
     std::copy(some.begin(), some.end(), all.begin() + before);
 }
 
-// Blocks of triangles are in the order of the ranks, so their rows are, too.
+// Appends the rows of one rank; call in the order of the ranks. Blocks of triangles are in this order, so their rows
+// are, too.
 void append(Intersections& all, const DistributedIntersections& rows, bool contacts) {
     append(all.pairs, rows.pairs);
     add_pass(rows.statistics.search, all.statistics);
@@ -134,8 +135,8 @@ void Devices::release() {
     ForwardingBackend::release();
 }
 
-// True for a query about all of a single mesh without a memory limit. A limit applies to everything that the detector
-// owns, and a single device needs less.
+// True if all devices share the search: for queries about a whole single mesh, without a memory limit. Such a limit
+// applies to everything that the detector owns, and a search on one device needs less.
 bool Devices::is_for_all(const PreparedScene& scene) const {
     return options_.memory_limit == 0 && !scene.between && !scene.bodies && !scene.first_of_world;
 }

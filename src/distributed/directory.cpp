@@ -40,7 +40,7 @@ void exchange_ids(Rounds& rounds, const ByKeeper& elements, const Ids& ids, cons
         });
 }
 
-// Distinguishes -0 from +0.
+// Returns the bits of a position: unlike numbers, they distinguish -0 from +0.
 template <class Scalar>
 auto bits_of(const std::array<Scalar, 3>& position) {
     using Bits = std::conditional_t<sizeof(Scalar) == 4, std::uint32_t, std::uint64_t>;

@@ -1,8 +1,8 @@
 #pragma once
 
-// Distributed directory: finds which ranks have the same element. Ids are cut into blocks, one per rank; the rank of
-// the block that contains an id is the directory rank of that element. Ranks send data about their elements to the
-// directory ranks, which compare them.
+// Distributed directory: finds which ranks have the same element, a triangle or a vertex. The ids over all ranks are
+// cut into blocks, one per rank; the rank of the block that contains an id is the directory rank of that element. Ranks
+// send data about their elements to the directory ranks, which compare them.
 
 #include <cstdint>
 #include <vector>
@@ -22,14 +22,14 @@ struct ByKeeper {
     static std::int64_t block(std::int64_t all, int ranks) { return (all + ranks - 1) / ranks; }
 
     std::vector<std::int32_t> element;
-    std::vector<std::int64_t> first;  ///< element[first[r]] is the first of directory rank r
+    std::vector<std::int64_t> first;  ///< elements of directory rank r: [first[r], first[r + 1])
 };
 
 /// Throws the same Error on all ranks unless each triangle id occurs exactly once. All ids must be in range.
 /// Collective.
 void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count);
 
-/// Ghost vertices: those that occur more than once over all ranks.
+/// Ghost vertices of this rank: vertices whose ids occur more than once over all ranks.
 class SharedVertices {
    public:
     /// Finds the ghost vertices; without given ids there are none. Throws the same Error on all ranks if some vertex
@@ -48,9 +48,9 @@ class SharedVertices {
 
     bool any_ = false;
     std::vector<std::uint8_t> shared_;  ///< 1 per local vertex: it is a ghost vertex
-    ByKeeper told_;                     ///< local ghost vertices
-    Traffic traffic_{0};                ///< traffic of ghost vertices
-    std::vector<std::int32_t> kept_;    ///< 1 per received row: index of the vertex in this rank's block
+    ByKeeper told_;                     ///< local ghost vertices, by directory rank
+    Traffic traffic_{0};                ///< rows sent and received in check(), 1 per ghost vertex
+    std::vector<std::int32_t> kept_;    ///< by received row: index of the vertex in this rank's block of ids
     std::vector<std::int64_t> first_from_;
     std::int64_t block_begin_ = 0, block_size_ = 0, all_ = 0;
 };

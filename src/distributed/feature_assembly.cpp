@@ -123,7 +123,8 @@ void FeatureAssembly::merge_coordinates(const AssembledPart& from) {
     if (part_.features->moving) part_.features->end = gathered(from.end(), place_);
 }
 
-// Representative vertices only have to be consistent within the part; other parts may choose others.
+// Chooses a representative for vertices at equal positions. Representatives only have to be consistent within the part;
+// other parts may choose others.
 void FeatureAssembly::name_vertices() {
     PartFeatures& features = *part_.features;
     PreparedScene scene;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Converts an assembled part to the form for queries about features (PartFeatures): vertices by ascending id, each
-// once, with the features that its triangles own.
+// Converts an assembled part to the form for queries about features (PartFeatures, crumple/part.h): with each vertex
+// once, by ascending id, and with the features that the part's triangles own.
 
 #include <cstdint>
 #include <vector>
@@ -21,10 +21,11 @@ struct FeatureDemand {
 
 class FeatureAssembly {
    public:
-    /// Updates what has changed since the previous call, and all coordinates.
+    /// Returns the part in this form; valid until the next call. Updates all coordinates, and everything else that has
+    /// changed since the previous call.
     const Part& update(const AssembledPart& from, const FeatureDemand& demand);
 
-    /// Returns the rank of the triangle that owns a vertex or an edge of the part, given by id.
+    /// Returns the rank that provided the triangle that owns a vertex or an edge of the part, given by id.
     int rank_of_vertex(std::int32_t id) const;
     int rank_of_edge(std::int32_t id) const;
     /// Returns the ids of an edge's vertices.

@@ -70,8 +70,8 @@ void FeatureOwners::learn(Rounds& rounds, Agreement& agree, const Share& share, 
     known_ = true;
 }
 
-// Finds the lowest triangle at each vertex. Only ghost vertices need the directory: all triangles at another vertex are
-// local.
+// Finds the lowest triangle at each vertex. Only ghost vertices need the directory: all triangles at any other vertex
+// are on this rank.
 void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& share, const SharedVertices& copies) {
     struct Least {
         std::int32_t vertex, triangle;

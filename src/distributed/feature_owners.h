@@ -1,8 +1,8 @@
 #pragma once
 
-// Finds the owners of vertices and edges over all ranks, and numbers the edges. As on a single machine
-// (scene/scene_features.h) the lowest triangle that has a feature owns it, and edges are numbered in lexicographic
-// order. The directory rank of an edge's lower vertex receives all triangles that have the edge.
+// Finds the triangles that own vertices and edges over all ranks, and numbers the edges. As on a single machine
+// (scene/scene_features.h), the lowest triangle that has a feature owns it, and edges are numbered in the lexicographic
+// order of their vertices. The directory rank of an edge's lower vertex receives all triangles that have the edge.
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,7 @@
 #pragma once
 
-// Sends impacts and proximities from the rank that found them to the rank whose triangle owns their first feature.
+// Sends impacts and proximities from the rank that found them to the rank that provided the triangle that owns their
+// first feature.
 
 #include <array>
 #include <cstdint>
@@ -26,7 +27,8 @@ class FoundFeatures {
     void exchange(Rounds& rounds, Agreement& agree, DistributedProximities& result);
 
    private:
-    // On ranks every vertex and edge belongs to a triangle, so the other two kinds do not occur.
+    // Vertex-face and edge-edge pairs. On ranks every vertex and edge belongs to a triangle, so the other two kinds do
+    // not occur.
     static constexpr std::size_t kinds = 2;
     struct Row {
         Pair pair;

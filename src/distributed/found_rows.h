@@ -17,7 +17,7 @@ class FoundRows {
    public:
     explicit FoundRows(int ranks) : for_rank_(static_cast<std::size_t>(ranks)) {}
 
-    /// Adds the pairs found in a part, given by index in the part.
+    /// Adds the pairs found in a part; `found` has indices of triangles within the part.
     void add(const AssembledPart& part, const Intersections& found);
 
     /// Exchanges all rows. `result` receives this rank's rows, sorted. Collective.

@@ -14,8 +14,8 @@ constexpr std::size_t vertices_at_once = 8192;
 constexpr float rounded_down = 1 - 1.0f / (1 << 22);
 
 // Raises step[v] to the distance between the positions of vertex v in `reader` and in `before`, and updates `before`.
-// Distances are normalised before they are squared, so that no relevant square underflows, and are never less than the
-// exact ones.
+// Normalises coordinates before squaring, so that no relevant square underflows. The results are never less than the
+// exact distances.
 template <class Scalar>
 void follow(const VertexReader& reader, const Normaliser& normalise, std::vector<Scalar>& before,
             std::vector<float>& step, std::size_t begin, std::size_t end) {
@@ -75,7 +75,7 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
     if (entries_at_first_ == 0) entries_at_first_ = part_.size();
 }
 
-// Measures steps in normalised coordinates, like slack.
+// Measures how far vertices have moved, in normalised coordinates like slack.
 void Members::measure_steps(const Share& share, const Placement& placement, ParallelFor& workers) {
     const PreparedScene& scene = share.scene();
     step_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
@@ -83,7 +83,8 @@ void Members::measure_steps(const Share& share, const Placement& placement, Para
     if (scene.moving) measure_steps(scene.end, placement.normaliser(), before_at_end_, workers);
 }
 
-// Measures steps from `before` if it has as many vertices, and updates `before`.
+// Measures the distances of vertices from their positions in `before`, if it has as many vertices; else they are 0.
+// Updates `before`.
 void Members::measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
                             ParallelFor& workers) {
     const std::size_t n = step_.size();

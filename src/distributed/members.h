@@ -1,16 +1,17 @@
 #pragma once
 
-// Local triangles of a rank as members of parts, and the deltas to be sent to the parts' owners.
+// Local triangles of a rank as members of parts of the scene, and the deltas that it has to send to the parts' owners,
+// the ranks that search them.
 //
-// A part is a list of triangles and, for each rank that has some of them, a list of that rank's vertices. Both change
-// little from frame to frame: a few triangles enter and leave a part, some masks change, and each rank sends the
-// coordinates of its list of vertices. In the first frame everything is added.
+// A part has a list of triangles and, for each rank that provides some of them, a list of vertices of that rank. Both
+// lists change little from frame to frame: a few triangles enter and leave a part, some masks change, and each rank
+// sends the coordinates of its list of vertices. In the first frame everything is added.
 //
 //     to the owner of part k:  removed      ids
 //                              changed      ids, masks
-//                              added        ids, groups, corners as indices into the list of vertices; masks
+//                              added        ids, groups, corners as indices into this rank's list of vertices; masks
 //                              vertices     ids of those appended to the list, and whether they are ghost vertices
-//                              coordinates  of the whole list
+//                              coordinates  of this rank's whole list of vertices
 //
 // A triangle is examined again when it may have reached another part. Its slack is the distance that its corners may
 // move until then (PartTree::mask); each frame subtracts the longest step of the three. Until it is examined, it may
@@ -48,7 +49,7 @@ struct PartDelta {
     std::vector<std::uint64_t> changed_masks;    ///< 1 per level for each changed triangle
     std::vector<MemberRow> added;
     std::vector<std::uint64_t> added_masks;     ///< 1 per level for each added triangle
-    std::vector<OwnedFeatures> added_features;  ///< features that these own, for queries about features
+    std::vector<OwnedFeatures> added_features;  ///< features that these own; empty for other queries
     std::vector<std::int32_t> vertices;         ///< ids of ghost vertices, -1 - id of others
 };
 
@@ -56,7 +57,8 @@ class Members {
    public:
     /// Finds what has changed since the previous call; after forget(), everything counts as changed.
     void update(const Share& share, const Placement& placement, ParallelFor& workers);
-    /// Sets the owned features to be sent with triangles; null: none, for other queries.
+    /// Sets the features to be sent with the triangles that own them, for queries about features; null for other
+    /// queries.
     void set_features(const FeatureOwners* features) { features_ = features; }
     /// Returns the number of this rank's members in each part.
     std::span<const std::int64_t> counts() const { return counts_; }
@@ -66,7 +68,8 @@ class Members {
 
     /// Marks a part with a new owner, to which all members must be sent.
     void send_again(std::int32_t part) { anew_[static_cast<std::size_t>(part)] = 1; }
-    /// Returns the approximate bytes of the deltas, after adding all members of parts with a new owner.
+    /// Adds all members of parts with a new owner to the deltas, and returns the approximate size of all deltas in
+    /// bytes.
     std::int64_t bytes_of_changes();
     /// Makes the deltas of these parts.
     void make_rows(std::span<const std::int32_t> parts, const Share& share, const SharedVertices& copies);
@@ -81,16 +84,16 @@ class Members {
     /// Frees the deltas of these parts, which have been sent.
     void sent(std::span<const std::int32_t> parts);
     void forget();
-    /// True if lists are so much longer than at first that they should be rebuilt: they keep the vertices of triangles
-    /// that have left.
+    /// True if the lists are so much longer than at first that they should be rebuilt: they still have the vertices of
+    /// triangles that have left.
     bool stale() const;
 
    private:
-    /// Parts of a triangle, ascending: entries [first, first + count).
+    /// Parts of a triangle, ascending: entries [first, first + count) of part_ and masks_.
     struct Entries {
         std::int32_t first = 0, count = 0;
     };
-    /// Result of a slice of the triangles: entries of the examined ones.
+    /// Result of look() for a slice of the triangles: the entries of the triangles that were examined.
     struct Found {
         std::vector<std::int32_t> triangle, count, part;
         std::vector<std::uint64_t> masks;
@@ -115,7 +118,7 @@ class Members {
     void number_corners(std::size_t part, const Share& share, const SharedVertices& copies, Places& places);
     std::span<const std::uint64_t> masks(std::size_t entry) const { return {masks_.data() + depth_ * entry, depth_}; }
 
-    /// Local triangles that enter or leave a part, or whose masks change; ascending.
+    /// Local triangles that leave a part, whose masks change, or that enter it; ascending.
     struct Changes {
         std::vector<std::int32_t> removed, changed, added;
     };
@@ -126,8 +129,8 @@ class Members {
     std::vector<std::int32_t> part_;
     std::vector<std::uint64_t> masks_;  ///< 1 per level for each entry
     std::size_t entries_at_first_ = 0;
-    std::vector<float> slack_;            ///< 1 per triangle: distance that corners may move until it is examined
-    std::vector<float> step_;             ///< 1 per vertex: distance since the previous call
+    std::vector<float> slack_;            ///< by triangle: distance that its corners may move until it is examined
+    std::vector<float> step_;             ///< by vertex: distance that it has moved since the previous call
     Coordinates before_, before_at_end_;  ///< positions in the previous call
 
     std::vector<std::int32_t> parts_;

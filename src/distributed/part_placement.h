@@ -1,11 +1,12 @@
 #pragma once
 
-// Locations and owners of the parts. Both are equal bit by bit on all ranks: ranks with different centres would lose
-// pairs.
+// Centres and owners of the parts of a scene. A part is a cluster of triangles around a centre; its owner is the rank
+// that searches it. Both are equal bit by bit on all ranks: ranks with different centres would lose pairs.
 //
 // One rank gathers a sample of the triangles (the same as on a single machine), finds the centres by fuzzy C-means
-// ([MZ] sec. 4), and broadcasts them. Centres are reused in later frames as long as the scene stays in a box somewhat
-// larger than the one they were made for. Any centres give the same result; good ones balance the work.
+// ([MZ] sec. 4), and broadcasts them. Centres are reused in later frames as long as the scene stays in the box that
+// they were made for, enlarged by a quarter of its extent on each side. Any centres give the same result; good ones
+// balance the work.
 
 #include <cstdint>
 #include <optional>
@@ -28,18 +29,18 @@ struct Box {
 
 class Placement {
    public:
-    /// Makes the centres of this number of parts of the scene, which lies in `box`. Collective.
+    /// Makes the centres of `parts` parts of the scene, which lies in `box`. Collective.
     void make(Rounds& rounds, Agreement& agree, const Share& share, int parts, const Box& box, ParallelFor& workers);
     void forget() { centres_.reset(); }
 
-    /// True if there are centres of this number of parts that can be reused for a scene in this box.
+    /// True if there are centres of `parts` parts that can be reused for a scene in this box.
     bool serves(int parts, const Box& box) const;
 
     int parts() const { return parts_; }
     PartTree tree() const { return centres_->tree(); }
     std::vector<PartLevel> path(std::int32_t part) const { return centres_->path(part); }
-    /// Sets the balls by which triangles are members of parts: those for a query about features, or if null, those for
-    /// intersections.
+    /// Sets the kind of balls that decide which parts a triangle belongs to: the balls for this query about features
+    /// or, if null, the balls for intersections.
     void widen(const FeaturePartDemand* query) {
         balls_.reset();
         if (query) balls_.emplace(*query, normalise_);
@@ -69,10 +70,10 @@ class Owners {
     std::vector<std::int32_t> parts_of(int rank) const;
 
     using Near = FunctionRef<std::span<const int>(std::size_t part)>;
-    /// Assigns parts to ranks by their work, heaviest first. Each goes to the first rank of near(part) whose load stays
-    /// at most 5 % above the mean; if there is none, to the rank with the least load.
+    /// Assigns parts to ranks, in the order of descending work. Each part goes to the first rank in near(part) whose
+    /// load then is at most 5 % above the mean; if there is none, to the rank with the least load.
     void give_out(std::span<const std::int64_t> work, int ranks, Near near);
-    /// Returns the largest work of a rank, divided by the mean.
+    /// Returns the largest work of a rank, divided by the mean over all ranks.
     double balance(std::span<const std::int64_t> work, int ranks) const;
 
    private:

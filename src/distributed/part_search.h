@@ -17,15 +17,15 @@ class PartSearch : private DetectorState {
    public:
     explicit PartSearch(const Options& options) : DetectorState(options) {}
 
-    /// Finds the pairs that the part owns, by index in the part. Valid until the next call. `memory`: per-scene cache
-    /// of the part.
+    /// Returns the pairs that the part owns, as indices of triangles within the part. Valid until the next call.
+    /// `memory`: per-scene cache of the part.
     const Intersections& find(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
                               std::stop_token stop);
     /// True if there is a pair among the part's triangles.
     bool any(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
              std::stop_token stop);
 
-    /// Finds the pairs of features that the part owns, by id. Valid until the next call.
+    /// Returns the pairs of features that the part owns, by id. Valid until the next call.
     const Impacts& find(const Part& part, const ImpactQuery& query, std::unique_ptr<SceneMemory>& memory,
                         std::stop_token stop);
     const Proximities& find(const Part& part, const ProximityQuery& query, std::unique_ptr<SceneMemory>& memory,

@@ -92,7 +92,7 @@ void Bodies::outline(const WorldShare& share, const PairFilter& rules, bool movi
 }
 
 void Bodies::read_share(const WorldShare& share, const PairFilter& rules, bool moving) {
-    // The outline gets only rules that refer to local bodies; excluded bodies have numbers over all ranks.
+    // The outline does not get the excluded pairs of bodies, because they have numbers over all ranks.
     check(!lies_on_device(share.world), "poses of ranks lie in host memory");
     PairFilter known;
     known.bodies = rules.bodies, known.groups = rules.groups;
@@ -211,7 +211,8 @@ void Bodies::tabulate(Transport& transport, Agreement& agree) {
     });
 }
 
-// Converts the pair filter to rules about groups of the local mesh. A body without self pairs is excluded with itself.
+// Converts the pair filter to one of the groups of the local mesh. If Body::self of a body is false, excludes the pair
+// of its group with itself.
 void Bodies::exchange_filters() {
     const auto n = static_cast<std::int64_t>(table_.size());
     for (const BodyPair& pair : rules_.excluded_bodies)

@@ -6,7 +6,7 @@
 //     triangles over all ranks   body 0 | body 1 | ...    the order of a world's result
 //     vertices and edges         in the same order
 //
-// A local mesh has one type of groups. These are the bodies, unless the pair filter refers to groups of triangles.
+// A triangle of a local mesh has a single group: its body, unless the pair filter refers to groups of triangles.
 
 #include <cstdint>
 #include <span>
@@ -26,15 +26,16 @@ namespace crumple::distribute {
 
 class Bodies {
    public:
-    /// Checks everything but coordinates, and resizes the local mesh. `moving`: with end positions. Throws Error if the
-    /// input is invalid or not supported on ranks; errors name a body by its id, if ids are given.
+    /// Checks everything but coordinates, and resizes the arrays of the local mesh. `moving`: true if it has end
+    /// positions. Throws Error if the input is invalid or not supported on ranks; errors name a body by its id, if ids
+    /// are given.
     void outline(const WorldShare& share, const PairFilter& rules, bool moving);
     /// Checks that each body occurs once, and sets ids and groups of the local mesh. Collective. Throws the same Error
     /// on all ranks.
     void number(Transport& transport, Agreement& agree);
     /// Writes corners and posed vertices to the local mesh. Throws Error (Element::body, by its id).
     void pose(ParallelFor& workers);
-    /// Counts the edges of each body. Requires the owners of edges. Collective.
+    /// Counts the edges of each body, by the triangles that own them. Collective.
     void count_edges(Transport& transport, Agreement& agree, const FeatureOwners& features);
     void forget_edges() { first_edge_.clear(); }
     void forget();
@@ -42,12 +43,12 @@ class Bodies {
     /// Local mesh and its end positions: views of arrays that number() and pose() fill in.
     const MeshShare& share() const { return share_; }
     const VertexView& end() const { return end_view_; }
-    /// Returns the pair filter of the world, as rules about the local mesh's groups.
+    /// Returns the pair filter of the world, converted to one of the local mesh's groups.
     const PairFilter& rules() const { return group_filter_; }
     /// Returns the rank that provided a body.
     int rank_of(std::int32_t body) const { return static_cast<int>(table_[static_cast<std::size_t>(body)].rank); }
 
-    /// Body, and index within it, of a number over all ranks.
+    /// Body of an element that is given by its number over all ranks, and the element's number within the body.
     struct Within {
         std::int32_t body, number;
     };
@@ -62,7 +63,8 @@ class Bodies {
 
    private:
     using Coordinates = std::variant<std::vector<float>, std::vector<double>>;
-    /// Row of the table, summed over the ranks, of which one has the body.
+    /// Row of the table. The rows of all ranks are added up: only the rank that has the body contributes numbers other
+    /// than 0.
     struct Row {
         std::int64_t brought = 0, rank = 0, triangles = 0, vertices = 0, self = 0;
         friend bool operator==(const Row&, const Row&) = default;

@@ -58,8 +58,8 @@ RankDetector::~RankDetector() = default;
 
 void RankDetector::set_poll(std::function<void()> poll) { engine_->set_poll(std::move(poll)); }
 
-// Shows each phase once: a phase has many collective error checks, and if deltas are sent in groups, members and room
-// alternate.
+// Shows each phase once: a phase has many collective error checks, and if deltas are sent in groups, Phase::members and
+// Phase::room alternate.
 void RankDetector::show_phase(Phase phase) {
     if (shown_ && phase <= *shown_) return;
     shown_ = phase;
@@ -229,8 +229,8 @@ void RankDetector::list_members() {
     agree_(Phase::members, [&] { own_parts(); });
 }
 
-// Assigns parts by number of members at first, each to a rank that has many of them; later by measured work, if it is
-// unbalanced.
+// At first assigns parts by their number of members, each to a rank that has many of these; later by measured work, if
+// it is unbalanced.
 void RankDetector::give_out() {
     if (owners_.known()) return give_out_anew();
     std::vector<std::int64_t> all(members_.counts().begin(), members_.counts().end());
@@ -247,7 +247,8 @@ std::vector<std::vector<int>> RankDetector::ranks_near_parts() {
     std::vector<std::vector<int>> near(mine.size());
     std::vector<std::int64_t> next(mine.size());
     for (int round = 0; round < std::min<std::int64_t>(4, ranks); ++round) {
-        // Packs count and rank into one number, so that one reduction finds the rank that has most.
+        // Packs the number of members and the rank into one number, so that one reduction finds the rank with the most
+        // members.
         for (std::size_t k = 0; k < mine.size(); ++k) {
             const bool is_informed = std::find(near[k].begin(), near[k].end(), rank) != near[k].end();
             next[k] = is_informed || mine[k] == 0 ? -1 : (mine[k] << 32) + (ranks - 1 - rank);

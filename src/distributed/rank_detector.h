@@ -94,8 +94,8 @@ class CRUMPLE_API RankDetector {
     void give_out_anew();
     void own_parts();
     void deliver();
-    /// Calls each(part), which searches a part and accumulates the result of this rank, for each part until done()
-    /// returns true.
+    /// Calls each(part) for the parts of this rank until done() returns true. each() searches a part and accumulates
+    /// the result of this rank.
     void search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bool()> done);
     /// Sums results and work over all ranks, and returns the number of results. `cut_short`: does not use the work to
     /// balance later calls.
@@ -119,7 +119,7 @@ class CRUMPLE_API RankDetector {
     double (*clock_)();
     Stopwatch watch_;
     Phase phase_ = Phase::query;
-    std::optional<Phase> shown_;  ///< latest phase of this call reported to show_
+    std::optional<Phase> shown_;  ///< latest phase of this call that was reported to show_
 
     // Per call:
     Asked asked_;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Query as ranks compare it: values that must be equal on all ranks, and what the phases need to know.
+// Query in the form that ranks compare: the values that must be equal on all ranks, and what the phases of a call need
+// to know about the query.
 
 #include <cstdint>
 #include <optional>
@@ -22,7 +23,7 @@ struct Asked {
     bool between_groups = false;            ///< only pairs between groups are requested, so groups are required
 };
 
-/// Converts a query. Throws Error (invalid_argument) if it is invalid, or not supported on ranks.
+/// Converts a query about meshes. Throws Error (invalid_argument) if it is invalid, or not supported on ranks.
 Asked request_of_ranks(const IntersectionQuery& query, RankOutput output);
 /// `world`: true for a query about bodies, whose pair filter may name them.
 Asked request_of_ranks(const ImpactQuery& query, bool world);

@@ -20,7 +20,8 @@ void check_count(std::span<const std::int64_t> ids, std::int64_t rows, const cha
         refuse("there are " + std::to_string(ids.size()) + " " + what + " ids for " + std::to_string(rows));
 }
 
-// Returns the least bad id, and its place; the largest int64 if there is none.
+// Returns the least id of an element i for which bad(i) is true, and sets `place` to i; returns the largest int64 if
+// there is none.
 template <class Bad>
 std::int64_t least_bad(const Ids& ids, std::int64_t count, Bad bad, std::int64_t& place) {
     std::int64_t least = std::numeric_limits<std::int64_t>::max();

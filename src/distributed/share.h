@@ -14,13 +14,13 @@
 
 namespace crumple::distribute {
 
-inline constexpr std::int64_t most_ids = std::numeric_limits<std::int32_t>::max();  ///< over all ranks
+inline constexpr std::int64_t most_ids = std::numeric_limits<std::int32_t>::max();  ///< of one type, over all ranks
 
-/// Numbers over all ranks: given by the caller, or consecutive, rank by rank.
+/// Numbers over all ranks of a rank's triangles or vertices: given by the caller, or consecutive, rank by rank.
 struct Ids {
     std::span<const std::int64_t> given;
     std::int64_t first = 0;  ///< first number of this rank, if none are given
-    std::int64_t all = 0;    ///< over all ranks
+    std::int64_t all = 0;    ///< number of elements over all ranks
 
     bool are_given() const { return given.data() != nullptr; }
     std::int32_t operator()(std::int64_t i) const {
@@ -32,7 +32,7 @@ class Share {
    public:
     explicit Share(MemoryMeter* meter) : buffers_(meter) {}
 
-    /// Checks the shapes of the arrays. Throws Error (invalid_argument).
+    /// Checks the sizes of the arrays. Throws Error (invalid_argument).
     static void check_shape(const MeshShare& share);
 
     /// Numbers triangles and vertices over all ranks. `counts`: numbers of triangles and vertices, 2 per rank. Throws
@@ -51,8 +51,8 @@ class Share {
     const Ids& triangles() const { return triangles_; }
     const Ids& vertices() const { return vertices_; }
 
-    /// True if triangles, groups and ids are those of the previous call, according to a 128-bit hash: a collision is
-    /// less likely than a memory error. Stores the hash for the next call.
+    /// True if triangles, groups and ids are those of the previous call, according to a 128-bit hash, whose collisions
+    /// are less likely than hardware errors of the memory. Stores the hash for the next call.
     bool is_same_as_before();
     void forget();
 

@@ -8,13 +8,15 @@
 
 namespace crumple {
 
-/// Ball that contains a primitive: centre and radius ([MZ] eq. 5, but with a radius for each primitive).
+/// Ball that contains a primitive: centre and radius (eq. 5 of [MZ], the paper cited in ARCHITECTURE.md, but with a
+/// radius for each primitive).
 struct alignas(16) Ball {
     float x, y, z, r;
 };
 
-/// Factor and summand that widen a computed radius. Coordinates are at most 1, so differences and the corners of
-/// float64 input are off by at most 2 u.
+/// Factor and summand that widen a computed radius by more than its rounding errors. The factor covers the roundings of
+/// the radius; the summand covers corners that were rounded from float64, each coordinate by at most 2^-25, because
+/// coordinates are at most 1 in magnitude.
 inline constexpr float ball_factor = 1.000002f, ball_slack = 4e-7f;
 
 CRUMPLE_HD inline Ball ball_of(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
@@ -47,17 +49,19 @@ CRUMPLE_HD inline Ball ball_of_box(const Vec3f (&start)[3], const Vec3f (&end)[3
     return {c.x, c.y, c.z, std::sqrt(dot(half, half)) * ball_factor + ball_slack};
 }
 
-/// Returns twice the distance of two centres, widened for rounding errors.
+/// Returns the factor of the radius in the bisector rule (see joins()): twice the distance of two centres, widened for
+/// rounding errors. `between`: difference of the two centres.
 CRUMPLE_HD inline float bisector_extent(const Vec3f& between) {
     return 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;
 }
 
-/// Factor that widens the nearest centre's squared distance for the bisector rule.
+/// Factor that widens the nearest centre's squared distance in the bisector rule, to cover rounding errors.
 inline constexpr float bisector_factor = 1.000002f;
 
-/// True if a ball of radius r may contain a point that is nearest to centre k. Bisector rule: d_k^2 - d_min^2 <= 2 r
-/// |v_k - v_min|, with factors that cover the roundings. `d2`, `nearest_d2`: squared distances of the ball's centre
-/// from centre k and from the nearest centre; `reach`: bisector_extent() of these centres.
+/// True if a ball of radius r may contain a point whose nearest cluster centre is v_k. Bisector rule: d_k^2 - d_m^2 <=
+/// 2 r |v_k - v_m|, where v_m is the cluster centre nearest to the ball's centre, and d_k and d_m are the distances of
+/// v_k and v_m from the ball's centre. Factors cover the roundings. `d2`, `nearest_d2`: d_k^2 and d_m^2; `reach`:
+/// bisector_extent() of v_k and v_m.
 CRUMPLE_HD inline bool joins(float d2, float nearest_d2, float r, float reach) {
     return !(d2 > nearest_d2 * bisector_factor + r * reach);
 }

@@ -2,7 +2,8 @@
 
 // Arithmetic with about 106 bits: numbers are unevaluated sums of two float64 numbers. Algorithms and relative error
 // bounds from M. Joldes, J.-M. Muller, V. Popescu, "Tight and Rigorous Error Bounds for Basic Building Blocks of
-// Double-Word Arithmetic" (2017), u = 2^-53; nothing may over- or underflow. Operands' signs may differ.
+// Double-Word Arithmetic" (2017), with u = 2^-53. The bounds hold for operands of any signs, if nothing over- or
+// underflows.
 
 #include "geometry/expansion.h"
 

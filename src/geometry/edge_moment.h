@@ -10,8 +10,8 @@
 
 namespace crumple {
 
-/// Sum of l^2 exp(4 i phi) over edges in projection along the first axis, where they have the length l and the angle
-/// phi.
+/// Sum of l^2 exp(4 i phi) over edges, as a complex number. l is the length of an edge's projection along the first
+/// axis, and phi the angle of that projection from the second axis.
 struct EdgeMoment {
     double re = 0, im = 0;
 

@@ -3,8 +3,9 @@
 // Eigenvectors of a symmetric 3 x 3 matrix by cyclic Jacobi rotations. Compiled for host and device.
 //
 // The result does not depend on the order of rotations: axes are sorted by eigenvalue, largest first (ties keep the
-// lower index), and the largest component of each is positive. If all eigenvalues are equal within `isotropy`, the
-// result is the coordinate axes, so that noise does not rotate the frame of a round cluster from call to call.
+// lower index), and the largest component of each is positive. If all eigenvalues are equal within a share `isotropy`
+// of the largest, the result is the coordinate axes, so that noise does not rotate the frame of a round cluster from
+// call to call.
 
 #include <array>
 #include <cmath>

@@ -5,9 +5,9 @@
 //
 // An axis is shifted only if its interval lies on one side of 0 within a factor of two. The shift is then the end
 // nearest to 0, which makes the difference exact (Sterbenz). Scaling by powers of two is exact except for underflow. So
-// y = (x pre - shift) post differs from the true value by at most 2^-1000, and y is a float32 number if x and the box's
-// corners are. `pre` keeps differences of the largest and of subnormal numbers representable. Compiled for host and
-// device.
+// y = (x pre - shift) post, where `pre` and `post` are powers of two, differs from its exact value by at most 2^-1000,
+// and y is a float32 number if x and the corners of the scene's box are. `pre` is not 1 only for extreme coordinates:
+// it keeps differences of very large and of subnormal numbers representable. Compiled for host and device.
 
 #include <math.h>  // ilogb and ldexp, for host and device
 
@@ -39,8 +39,8 @@ struct Normaliser {
     CRUMPLE_HD Vec3d operator()(Vec3d x) const {
         return {(x.x * pre - shift.x) * post, (x.y * pre - shift.y) * post, (x.z * pre - shift.z) * post};
     }
-    /// Returns the point in the scene's coordinates, rounded, and limited to finite numbers: a y that was rounded up to
-    /// 1 in float32 may lie beyond the largest float64.
+    /// Converts a normalised point to the scene's coordinates, rounded, and limited to finite numbers: a coordinate
+    /// that was rounded up to 1 in float32 may correspond to one beyond the largest float64.
     Vec3d inverse(Vec3d y) const {
         constexpr double most = std::numeric_limits<double>::max();
         Vec3d x;

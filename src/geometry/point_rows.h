@@ -9,15 +9,15 @@
 
 namespace crumple {
 
-/// Row of normalised coordinates, exact in the scene's precision and aligned, so that a device loads it at once.
+/// Row of normalised coordinates, aligned so that a device loads it as a whole.
 template <class T>
 struct alignas(4 * sizeof(T)) Row {
     T x, y, z, unused;
 };
 
-/// Rows in float32 if those are exact, otherwise in float64; the other pointer is null.
+/// Rows in float32 if that represents all coordinates exactly, otherwise in float64; the other pointer is null.
 struct PointRows {
-    const float* f = nullptr;  ///< on a device aligned as a Row
+    const float* f = nullptr;  ///< on a device, both pointers are aligned as a Row
     const double* d = nullptr;
 
     /// Returns a vertex, exactly.
@@ -38,7 +38,7 @@ struct PointRows {
     }
 
    private:
-    /// Reads a row; on a device in one load, which requires that rows are aligned there.
+    /// Reads a row. A device loads it as a whole, so rows must be aligned as a Row there.
     template <class T>
     static CRUMPLE_HD Vec3<T> row(const T* rows, std::int32_t vertex) {
 #ifdef __CUDA_ARCH__

@@ -1,7 +1,8 @@
 #pragma once
 
-// Hashes with a random seed, so that no mesh can be crafted to be slow: of positions for welding, and of integers. No
-// result depends on them. Compiled for host and device, except for the seed.
+// Hash functions with a random seed, so that no mesh can be crafted to make hash tables slow: for positions (welding)
+// and for integers. No result of a search depends on the seed. Compiled for host and device; the seed is drawn on the
+// host.
 
 #include <atomic>
 #include <bit>
@@ -12,11 +13,11 @@
 
 namespace crumple {
 
-/// Hash of a sequence of integers: begins with seed(), and continues with add() for each integer.
+/// Hash function for a sequence of integers: starts from seed(), and is continued by add() for each integer.
 class SeededHash {
    public:
-    /// Draws a random number only once per process, because that takes 10 us on a virtual machine. Each seed is
-    /// different nevertheless.
+    /// Makes a new seed. Draws a random number only once per process, because that takes 10 us on a virtual machine.
+    /// The seeds of all objects differ nevertheless.
     SeededHash() {
         static std::atomic<std::uint64_t> last = [] {
             std::random_device random;

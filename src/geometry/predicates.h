@@ -35,7 +35,7 @@ CRUMPLE_HD inline int certain_sign(double value, double bound) {
 }
 }  // namespace detail
 
-/// True if expansions are exact for all products that the predicates form from such coordinates.
+/// True if coordinates are in the range of expansions: 0, or between 2^-300 and 2^300 in magnitude.
 CRUMPLE_HD inline bool in_expansion_range(double x) {
     const double magnitude = std::abs(x);
     return magnitude == 0 || (magnitude >= 0x1p-300 && magnitude <= 0x1p300);
@@ -54,8 +54,8 @@ class FilteredPlane {
         magnitude_ = abs(plus) + abs(minus);
     }
 
-    /// Returns the side of a point, 1 or −1, or `undecided`. Eight roundings: three differences, two products, a
-    /// difference, two sums.
+    /// Returns the side of a point, 1 or −1, or `undecided`. A monomial passes eight roundings: three differences, two
+    /// products, a difference, two sums.
     CRUMPLE_HD int side(const Vec3d& p) const {
         const Vec3d d = p - origin_, size = abs(d);
         return detail::certain_sign(dot(normal_, d), 9 * detail::epsilon * dot(magnitude_, size) +
@@ -72,12 +72,13 @@ class FilteredPlane {
     Vec3d origin_, normal_, magnitude_;
 };
 
-/// Return the remaining axes in the order that makes a counter-clockwise turn positive about the dropped one.
+/// Return the two axes other than `dropped`, in the order in which a turn is positive if it is counter-clockwise about
+/// the dropped axis.
 CRUMPLE_HD constexpr int first_axis(int dropped) { return dropped == 2 ? 0 : dropped + 1; }
 CRUMPLE_HD constexpr int second_axis(int dropped) { return dropped == 0 ? 2 : dropped - 1; }
 
-/// Returns the sign of component `dropped` of (b − a) × (c − a), the turn a, b, c seen along that axis, or `undecided`.
-/// Four roundings.
+/// Returns the sign of component `dropped` of (b − a) × (c − a), that is, of the turn a, b, c seen along that axis, or
+/// `undecided`. A monomial passes four roundings.
 CRUMPLE_HD inline int orient2d_filtered(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int x = first_axis(dropped), y = second_axis(dropped);
     const double plus = (b[x] - a[x]) * (c[y] - a[y]), minus = (b[y] - a[y]) * (c[x] - a[x]);
@@ -160,7 +161,8 @@ inline bool in_axis_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
 }  // namespace detail
 #endif
 
-/// Returns the exact sign of orient2d(), by expansions. Takes up to 1 us, and some kilobytes of stack.
+/// Returns the exact sign of component `dropped` of (b − a) × (c − a), by expansions. Takes up to 1 us, and some
+/// kilobytes of stack.
 CRUMPLE_HD_COLD inline int orient2d_expansion(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int x = first_axis(dropped), y = second_axis(dropped);
     return (exact_difference(b[x], a[x]) * exact_difference(c[y], a[y]) -
@@ -168,9 +170,9 @@ CRUMPLE_HD_COLD inline int orient2d_expansion(const Vec3d& a, const Vec3d& b, co
         .sign();
 }
 
-/// Computes the term of axis x of ((b - a) x (c - a)) (d - a); y and z are the other two axes. A separate function, so
-/// that the three terms of a determinant share the stack of their intermediate expansions: threads of a device have
-/// little.
+/// Computes the summand of axis x in the dot product (b − a) × (c − a) · (d − a); y and z are the other two axes. A
+/// separate function, so that the three summands of a determinant use the same stack for their intermediate expansions:
+/// threads of a device have little stack.
 CRUMPLE_HD_COLD inline void orient3d_term(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, int x, int y,
                                           int z, Expansion<64>& term) {
     const auto uy = exact_difference(b[y], a[y]), uz = exact_difference(b[z], a[z]);
@@ -186,7 +188,8 @@ CRUMPLE_HD_COLD inline int orient3d_expansion(const Vec3d& a, const Vec3d& b, co
     return (x + y + z).sign();
 }
 
-/// Return exact signs, for coordinates in the range of expansions.
+/// Return the exact signs of the determinants of orient2d_filtered() and orient3d_filtered(), without trying these
+/// filters. Coordinates must be in the range of expansions.
 CRUMPLE_HD inline int orient2d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
 #ifndef __CUDA_ARCH__
     const int sign = detail::orient2d_whole(a, b, c, first_axis(dropped), second_axis(dropped));
@@ -202,7 +205,8 @@ CRUMPLE_HD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d
     return orient3d_expansion(a, b, c, d);
 }
 
-/// Return exact signs. Cost: about 10 ns if the filter decides.
+/// Return the exact signs of the determinants of orient2d_filtered() and orient3d_filtered(): by these filters if they
+/// decide, in about 10 ns, otherwise by exact arithmetic. Coordinates must be in the range of expansions.
 CRUMPLE_HD inline int orient2d(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     const int sign = orient2d_filtered(a, b, c, dropped);
     return sign != undecided ? sign : orient2d_exact(a, b, c, dropped);

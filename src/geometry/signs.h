@@ -1,12 +1,14 @@
 #pragma once
 
-// Sources of signs for a decision: two classes with the same functions. Compiled for host and device.
+// Two classes that compute signs of orientation predicates for a decision. Both have the same functions: orient() for
+// the sign of orient3d(), turn() for that of orient2d(). Compiled for host and device.
 
 #include "geometry/predicates.h"
 
 namespace crumple {
 
-/// Signs by float64 filters alone, for any finite coordinates. A sign that they do not decide is 0, and sets open().
+/// Signs by float64 filters alone, for any finite coordinates. If a filter does not decide a sign, the function returns
+/// 0, and open() is true from then on.
 class FilteredSigns {
    public:
     static constexpr bool exact = false;
@@ -27,7 +29,8 @@ class FilteredSigns {
     bool open_ = false;
 };
 
-/// Signs by filters, and by expansions where these do not decide: exact for coordinates in the range of expansions.
+/// Signs by filters, and by exact arithmetic if a filter does not decide. Coordinates must be in the range of
+/// expansions.
 class ExactSigns {
    public:
     static constexpr bool exact = true;

@@ -13,7 +13,7 @@
 namespace crumple {
 namespace {
 
-// Entry of `joined` for a neighbour outside the part; no vertex of the part has this index.
+// Entry of PartFeatures::joined for an adjacent vertex outside the part; no vertex of the part has this index.
 constexpr std::int32_t elsewhere = std::numeric_limits<std::int32_t>::max();
 
 void sort_and_unique(std::vector<std::int32_t>& ids) {
@@ -193,8 +193,8 @@ void check_rows(const std::vector<std::array<std::int32_t, 3>>& rows, std::size_
 
 }  // namespace
 
-// Returns a length in normalised coordinates, rounded up. The limit keeps it finite; longer lengths have no further
-// effect.
+// Converts a length from the scene's units to normalised coordinates, rounded up. The limit `farthest` keeps the result
+// finite; longer lengths have no further effect.
 double FeatureBalls::length(double x) const {
     return min(double{farthest}, x * normalise_.pre * normalise_.post) * 1.0000001 + 1e-30;
 }

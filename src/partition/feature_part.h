@@ -1,7 +1,8 @@
 #pragma once
 
-// Public parts of a scene (crumple/part.h) for queries about features. Each part records which vertices and edges its
-// triangles own, because the owner of a feature may be in another part (docs/subdivide.md).
+// Public parts of a scene (crumple/part.h) for queries about features: faces, edges and vertices. The lowest triangle
+// of the scene that contains a feature owns it. Each part records which vertices and edges its triangles own, because
+// the owner of a feature may be in another part (docs/subdivide.md).
 
 #include <cstdint>
 #include <span>
@@ -18,25 +19,25 @@
 
 namespace crumple {
 
-/// Contents of a query that parts need, except for vertex positions.
+/// Settings of a query that parts are made for, with the meaning of those in PartFeatures.
 struct FeaturePartDemand {
     bool moving = false;
     double distance = 0, share = 0;
     bool weld = false;
     std::span<const double> radii = {};         ///< 1 per vertex, or empty
-    const VertexReader* rest = nullptr;         ///< not owned; may be null
+    const VertexReader* rest = nullptr;         ///< positions of the rest shape, or null; not owned
     const VertexRings* rings = nullptr;         ///< not owned; may be null
-    std::span<const std::int32_t> groups = {};  ///< 1 per triangle that is no proxy triangle, or empty
+    std::span<const std::int32_t> groups = {};  ///< 1 per triangle except for proxy triangles, or empty
 };
 
-/// Balls that determine to which parts triangles belong: each contains the triangle's swept volume, widened for the
-/// distances of the query.
+/// Balls that determine to which parts triangles belong: each contains a triangle's swept volume, and is widened for
+/// the distances of the query.
 class FeatureBalls {
    public:
     FeatureBalls(const FeaturePartDemand& query, const Normaliser& normalise);
     PartBall operator()(const PreparedScene& scene, std::int64_t triangle) const;
-    /// Returns the factor, at most 1, by which the slack of PartTree::mask() has to be multiplied, because a ball also
-    /// grows with the longest path of a corner.
+    /// Returns the factor, at most 1, by which the slack that PartTree::mask() computes has to be multiplied: it does
+    /// not take into account that these balls also grow with the longest path of a corner.
     double slack_of_path() const { return 3 / (3 + 2 * of_way_); }
 
    private:
@@ -51,14 +52,14 @@ class FeatureBalls {
 std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeatures& features,
                                      const FeaturePartDemand& query, int count, ParallelFor& parallel);
 
-/// Throws Error (invalid_argument) if the part has no features, or if make_feature_parts() could not have made it. Does
-/// not look at vertex positions. Includes check_part().
+/// Throws Error (invalid_argument) if the part has no features, or if sizes, ids and indices of its arrays contradict
+/// each other. Checks neither vertex positions nor the triangles' corners. Includes check_part().
 void check_feature_part(const Part& part);
 
 /// Returns the vertex positions of a part at the end of a step; empty for a static part.
 VertexView end_of(const PartFeatures& features);
 
-/// Converts positions in the part's lists to ids in the mesh.
+/// Converts a pair of features from indices within the part to ids in the mesh.
 void name_globally(const Part& part, FeatureKind kind, Pair& pair);
 
 }  // namespace crumple

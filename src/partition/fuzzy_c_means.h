@@ -1,12 +1,13 @@
 #pragma once
 
-// Fuzzy C-means on a sample of points ([MZ] sec. 4, eqs. 2 to 4).
+// Fuzzy C-means on a sample of points (sec. 4, eqs. 2 to 4 of [MZ], the paper cited in ARCHITECTURE.md).
 //
 // One iteration computes the membership of each point in each cluster (eq. 3) and moves each centre to the mean of the
-// points weighted by membership^t (eq. 4). For t = 2, the usual choice, both exponents are integers: u_k = d_k^-2 /
-// sum_j d_j^-2. A point on a centre (d = 0) counts as one at a distance of 1e-15, a valid limit of eq. 3. Iteration
-// ends when no centre moved further than `stop`, or at the cap. Results are correct with any centres, which affect only
-// speed. So the sample and the cap may be small ([MZ] sec. 4, end).
+// points weighted by membership^t (eq. 4). For t = 2, the usual choice, both exponents are integers: with distances d_k
+// of the point from the centres, the memberships are u_k = d_k^-2 / sum_j d_j^-2. 1e-30 is added to each squared
+// distance, so a point on a centre counts as one at a distance of 1e-15. Iteration ends when no coordinate of a centre
+// moved by more than `stop`, or after `iterations`. Searches are correct with any centres, which affect only speed. So
+// the sample and the number of iterations may be small ([MZ] sec. 4, end).
 //
 // Points and centres are normalised (at most about 1). Inner loops run over clusters, whose sums are independent, so
 // that every compiler and machine gives the same centres.
@@ -21,7 +22,7 @@
 
 namespace crumple {
 
-inline constexpr int max_clusters = 64;  ///< per level: bits of a mask
+inline constexpr int max_clusters = 64;  ///< per level: a mask has one bit for each
 
 /// Cluster centres of one subdivision, cached from frame to frame for warm starts.
 struct Centres {
@@ -32,15 +33,16 @@ struct Centres {
     void set(std::integral auto k, Vec3f p) { x.data()[k] = p.x, y.data()[k] = p.y, z.data()[k] = p.z; }
 };
 
-/// True if splitting into `clusters` clusters pays: while each triangle joins fewer than about clusters^(1/3) of them.
-/// Reason: a sweep costs members^2 times the ratio of the mean interval to the extent, and the extent of one of k
+/// True if splitting `members` triangles into `clusters` overlapping clusters makes sweeps cheaper: if each triangle
+/// joins at most 1.1 clusters^(1/3) of them on average. `memberships`: number of pairs of a cluster and a triangle in
+/// it. Reason: a sweep costs members^2 times the ratio of the mean interval to the extent, and the extent of one of k
 /// clusters is k^(1/3) times smaller than that of the scene.
 inline bool splitting_pays(double memberships, double members, int clusters) {
     return memberships <= 1.1 * std::cbrt(clusters) * members;
 }
 
 struct FuzzyOptions {
-    double fuzziness = 2;  ///< t > 1
+    double fuzziness = 2;  ///< the exponent t above, > 1
     int iterations = 2;
     double stop = 0;  ///< largest movement of a centre, in normalised coordinates, that ends the iteration
 };
@@ -53,7 +55,8 @@ void start_centres(int count, std::size_t samples, Point&& point, Centres& centr
     for (std::size_t k = 0; k < n; ++k) centres.set(k, point((2 * k + 1) * samples / (2 * n)));
 }
 
-/// Improves `centres` on the points point(0) ... point(samples - 1), Vec3f each. Returns the number of iterations.
+/// Iterates from the given `centres`, and replaces them. point(0) to point(samples - 1) return the sample, as Vec3f.
+/// Returns the number of iterations.
 template <class Point>
 int fuzzy_c_means(std::size_t samples, Point&& point, const FuzzyOptions& options, Centres& centres) {
     const auto count = static_cast<std::size_t>(centres.count);

@@ -2,9 +2,10 @@
 
 // Levels of subdivision above a backend's own, for a scene that is one cluster of a larger scene.
 //
-// A cluster owns a pair iff, at every level, it is the lowest cluster that both triangles belong to
-// (docs/subdivide.md). So each level has one mask for each triangle. A label of triangles (world, body, rank) is a
-// level, too, but its clusters do not overlap: membership alone decides, so such a level needs no entry here.
+// A cluster owns a pair of triangles iff, at every level, it (or the cluster that contains it there) is the lowest
+// cluster that both triangles belong to (docs/subdivide.md). So each level has one mask for each triangle. Labels of
+// triangles (world, body, rank) are a level, too, but the sets of triangles with one label do not overlap: two
+// triangles are in at most one common set, which owns their pair. Such a level needs no entry here.
 
 #include <array>
 #include <bit>
@@ -19,7 +20,7 @@ inline constexpr std::size_t max_levels = 4;
 
 struct Level {
     const std::uint64_t* masks = nullptr;  ///< 1 per triangle of the scene: bit k is set if it belongs to cluster k
-    int cluster = 0;                       ///< index of the cluster that is this scene
+    int cluster = 0;                       ///< cluster of this level that is this scene, or contains it
 };
 
 /// Short list of levels, from the top; empty for a scene that is not part of another.
@@ -35,7 +36,8 @@ class Levels {
     const Level* begin() const { return level_.data(); }
     const Level* end() const { return level_.data() + count_; }
 
-    /// True if the scene is the lowest cluster that both triangles belong to, on all levels.
+    /// True if this scene owns the pair of triangles a and b: on all levels, its cluster is the lowest that both belong
+    /// to.
     bool own(std::int64_t a, std::int64_t b) const {
         for (const Level& level : *this)
             if (std::countr_zero(level.masks[a] & level.masks[b]) != level.cluster) return false;

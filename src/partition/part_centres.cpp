@@ -12,7 +12,7 @@ namespace {
 struct Node {
     int parts = 1;                      ///< number of parts that it becomes
     Vec3f centre;                       ///< centre of this cluster
-    std::vector<std::uint32_t> points;  ///< sample points that are nearest to it
+    std::vector<std::uint32_t> points;  ///< sample points to which its centre is the nearest of its siblings'
 };
 
 int depth_for(int parts) {
@@ -27,15 +27,15 @@ std::int64_t power(std::int64_t base, int exponent) {
     return result;
 }
 
-// Returns how many children a node needs if `depth` levels of about equal width follow.
+// Returns the least number of children per node with which `depth` levels make at least `parts` parts.
 int width_for(int parts, int depth) {
     int width = 1;
     while (power(width, depth) < parts) ++width;
     return width;
 }
 
-// Computes a node's centres by a cold start with the usual fuzziness 2: without pow(), whose last bit may differ from
-// machine to machine.
+// Computes the centres of a node's `count` children from the node's sample points. With fuzziness 2 this needs no
+// pow(), whose last bit may differ from machine to machine.
 void place(const Node& node, std::span<const Vec3f> points, int count, Centres& centres) {
     constexpr std::size_t most_points = 4096;
     const std::size_t all = node.points.size(), n = std::min(all, most_points);
@@ -71,7 +71,8 @@ int nearest(const Centres& centres, Vec3f p) {
     return best;
 }
 
-// Splits a node into clusters, and assigns each of them its points and its number of parts, at most `most`.
+// Splits a node into clusters at `centres`, and assigns to each of them its sample points and its number of parts, at
+// most `most`.
 std::vector<Node> split(const Node& node, std::span<const Vec3f> points, const Centres& centres, int most) {
     std::vector<Node> children(static_cast<std::size_t>(centres.count));
     for (std::size_t k = 0; k < children.size(); ++k) children[k].centre = centres[k];

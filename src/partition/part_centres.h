@@ -1,11 +1,11 @@
 #pragma once
 
-// Location of the parts of a scene: a tree of fuzzy C-means centres ([MZ] sec. 4), computed from a sample of its
-// triangles.
+// Location of the public parts of a scene (crumple/part.h): a tree of fuzzy C-means centres (sec. 4 of [MZ], the paper
+// cited in ARCHITECTURE.md), computed from a sample of the scene's triangles.
 //
 // Up to 64 parts have one level, up to 64^2 two, and so on; all levels are about equally wide. A cluster gets a number
-// of parts in proportion to its sampled triangles. The centres depend on the sample and the count only, not on threads
-// or the machine.
+// of parts in proportion to its sampled triangles. The centres depend only on the sample and the number of parts, not
+// on threads or the machine.
 
 #include <algorithm>
 #include <cstddef>
@@ -42,15 +42,15 @@ class PartSample {
 
 class PartCentres {
    public:
-    /// Computes the centres of 1 to max_parts parts from normalised points.
+    /// Computes the centres of 1 to max_parts parts from the sample's centroids in normalised coordinates, `points`.
     PartCentres(int parts, std::span<const Vec3f> points, const Normaliser& normalise, ParallelFor& parallel);
 
     /// Reads centres from what bytes() has written, possibly on another machine.
     PartCentres(std::span<const std::byte> bytes, const Normaliser& normalise);
 
-    /// Returns a view, valid while this object lives and is not moved.
+    /// Returns a view of the centres, valid while this object lives and is not moved.
     PartTree tree() const;
-    /// Serialises everything except the normaliser.
+    /// Serialises the centres; the reader has to have the same normaliser.
     std::vector<std::byte> bytes() const;
 
     /// Returns the cluster of a part on each level, from the top; without masks.
@@ -69,7 +69,8 @@ class PartCentres {
 /// Computes the centres of `parts` parts of a scene.
 PartCentres place_parts(const PreparedScene& scene, int parts, ParallelFor& parallel);
 
-/// Distributes `parts` over clusters in proportion to their points: at least one and at most `most` to each.
+/// Distributes `parts` parts over clusters in proportion to the numbers of their sample points, `points`: at least one
+/// and at most `most` to each cluster.
 std::vector<int> distribute_centres(int parts, int most, std::span<const std::int64_t> points);
 
 }  // namespace crumple

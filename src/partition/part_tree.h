@@ -1,10 +1,11 @@
 #pragma once
 
-// Membership of triangles in the parts of a scene ([MZ] sec. 1.1; rule and proof in docs/subdivide.md).
+// Membership of triangles in the public parts of a scene (crumple/part.h; sec. 1.1 of [MZ], the paper cited in
+// ARCHITECTURE.md; rule and proof in docs/subdivide.md).
 //
 // The parts are the leaves of a tree: centres of the first level split the scene, and those of a further level split
 // each cluster of the level above. Following a triangle down the tree takes only its own coordinates, the scene's box
-// and the centres, so a machine with a slice of the triangles finds their parts alone.
+// and the centres, so a machine that has some of the triangles finds the parts of these without the others.
 //
 // Machines that search different parts must agree on every bit of every mask, so this is plain float64 arithmetic
 // without contraction, the same on every processor. Compiled for host and device.
@@ -23,7 +24,8 @@
 
 namespace crumple {
 
-/// Ball that determines a triangle's membership: around its centroid, containing it, in normalised coordinates.
+/// Ball that determines a triangle's membership, in normalised coordinates. It contains the triangle, and its centre is
+/// the triangle's centroid.
 struct PartBall {
     Vec3d centre;
     double radius;
@@ -37,7 +39,7 @@ struct PartBall {
     }
 
     /// Constructs the ball of a triangle's swept volume from the start to the end of a step, widened by `half`, and by
-    /// `path_share` times the longest way of a corner (inflation.h). The radius is at most `farthest`.
+    /// `path_share` times the longest path of a corner (inflation.h). The radius is at most `farthest`.
     CRUMPLE_HD PartBall(const Triangle& start, const Vec3d (&end)[3], double half, double path_share,
                         const Normaliser& normalise) {
         const Vec3d p[6] = {normalise(start.point[0]), normalise(start.point[1]), normalise(start.point[2]),
@@ -50,27 +52,27 @@ struct PartBall {
     }
 };
 
-/// Centres of a node's children, normalised float32 numbers.
+/// Centres of a node's children in normalised coordinates: float32 numbers, stored as float64.
 struct PartSiblings {
     double x[max_clusters], y[max_clusters], z[max_clusters];
 
     CRUMPLE_HD Vec3d centre(int k) const { return {x[k], y[k], z[k]}; }
 };
 
-/// View of a tree; PartCentres (part_centres.h) owns the arrays.
+/// View of a tree of centres; PartCentres (part_centres.h) owns the arrays.
 struct PartTree {
     struct Level {
-        const std::int32_t* first;    ///< children of node i: [first[i], first[i + 1])
-        const PartSiblings* centres;  ///< 1 per node: centres of its children
+        const std::int32_t* first;    ///< nodes of this level that are children of node i: [first[i], first[i + 1])
+        const PartSiblings* centres;  ///< 1 per node of the level above: centres of its children
         const double* apart;          ///< max_clusters per child: its distance from each of its siblings
     };
     Normaliser normalise;
     int depth = 0;
     Level level[max_levels];
 
-    /// Returns a mask of which bit k is set if the ball may contain a point that is nearest to the k-th child of
-    /// `node`. Lowers `slack`, if not null, to at most the distance that each corner of the triangle may move before
-    /// the ball may reach a further child.
+    /// Returns a mask: bit k is set if the ball may contain a point whose nearest centre, of those of all children of
+    /// `node`, is that of the k-th child. `l`: the children's level. Lowers `slack`, if not null, to at most the
+    /// distance that each corner of the triangle may move before the ball may reach a further child.
     CRUMPLE_HD std::uint64_t mask(const PartBall& ball, int l, std::int32_t node, double* slack = nullptr) const {
         const std::int32_t first = level[l].first[node], count = level[l].first[node + 1] - first;
         const PartSiblings& centres = level[l].centres[node];
@@ -84,10 +86,11 @@ struct PartTree {
         double least = INFINITY;
         for (std::int32_t k = 0; k < count; ++k)
             if (distance2[k] < least) nearest = k, least = distance2[k];
-        // First a looser rule, one comparison: a centre cannot be nearest if it is farther than the nearest one plus
-        // the diameter. The few that pass are tested by the bisector rule. Both sides of the bisector rule have about
-        // ten roundings, and no number in it exceeds 12 (1 + d2); the looser rule has about twenty roundings, and no
-        // number above 50. If centres have equal positions, only the lowest of them gets members.
+        // A looser rule is tested first, because it is one comparison: no point of the ball can be nearest to a centre
+        // that is farther from the ball's centre than the nearest one by more than the ball's diameter. The few centres
+        // that pass are tested by the bisector rule (docs/subdivide.md). The slacks cover about fifteen roundings of
+        // numbers of at most 28 in the bisector rule, and thirty of numbers of at most 133 in the looser one. Of
+        // several nearest centres at one position, `nearest` is the lowest; the triangle joins only that.
         const double* apart = level[l].apart + static_cast<std::int64_t>(first + nearest) * max_clusters;
         const double reach = std::sqrt(least) + 2 * ball.radius;
         const double farthest = reach * reach + 1e-12;
@@ -96,8 +99,8 @@ struct PartTree {
             const double d2 = distance2[k];
             if (k > nearest && apart[k] == 0) continue;
             if (d2 > farthest || d2 - least > 2 * ball.radius * apart[k] + 1e-13 * (1 + d2)) {
-                // Distance of the ball from the bisector. If corners move by s, the centroid moves by at most s, and
-                // the radius grows by at most 2 s.
+                // `gap` is the distance of the ball from the bisecting plane of both centres. If corners move by s, the
+                // ball's centre moves by at most s, and its radius grows by at most 2 s.
                 if (slack) {
                     const double gap = (d2 - least - 1e-12 * (1 + d2)) / (2 * apart[k]) - ball.radius;
                     *slack = min(*slack, gap / 3);
@@ -109,8 +112,8 @@ struct PartTree {
         return mask;
     }
 
-    /// Calls visit(part, masks) for each part that the triangle belongs to, in ascending order, with one mask per
-    /// level. `slack`: see mask().
+    /// Calls visit(part, masks) for each part that the ball's triangle belongs to, in ascending order, with one mask
+    /// per level. `slack`: see mask().
     template <class Visit>
     CRUMPLE_HD void for_each_part(const PartBall& ball, Visit visit, double* slack = nullptr) const {
         std::uint64_t masks[max_levels];

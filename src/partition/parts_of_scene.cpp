@@ -12,7 +12,7 @@
 namespace crumple {
 namespace {
 
-// Numbers the vertices of a part in the order of first use: a hash table with open addressing and linear probing, at
+// Numbering of a part's vertices in the order of first use: a hash table with open addressing and linear probing, at
 // most half full.
 class LocalNumbers {
    public:
@@ -38,7 +38,8 @@ class LocalNumbers {
     std::int32_t count_ = 0;
 };
 
-// Copies the triangles `ids` (in the joint numbering) of one of the meshes, with their vertices as Scalar.
+// Copies triangles of one of the meshes, with the coordinates of their vertices as Scalar. `ids`: as numbered in the
+// scene, where the triangles of a second mesh follow those of the first.
 template <class Scalar>
 PartMesh copy_mesh(const PreparedScene& scene, std::size_t side, std::span<const std::int32_t> ids,
                    const SeededHash& hash) {
@@ -71,8 +72,8 @@ PartMesh copy_mesh(const PreparedScene& scene, std::size_t side, std::span<const
                                       : copy_mesh<double>(scene, side, ids, hash);
 }
 
-// Returns the ids of the triangles in part k, and appends their masks to the part's levels. `slices`: members of all
-// parts among the scene's triangles, in order.
+// Returns the ids of the triangles in part k, and appends their masks to the part's levels. `slices`: for consecutive
+// ranges of the scene's triangles, the members of all parts.
 std::vector<std::int32_t> join_members(std::span<const PartMembers> slices, std::size_t k, Part& part) {
     const std::size_t depth = part.levels.size();
     std::size_t size = 0;
@@ -126,7 +127,8 @@ PartMembers list_members(const PartTree& tree, int parts, BallOfTriangle ball, s
     return members;
 }
 
-// Slices are large enough that their tables of parts are not larger than their contents.
+// If there are several slices, each has at least as many triangles as there are parts, so that its table of parts is
+// not larger than its contents.
 std::vector<PartMembers> list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t count,
                                       ParallelFor& parallel) {
     const std::int64_t least = std::max<std::int64_t>(4096, parts);

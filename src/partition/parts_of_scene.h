@@ -15,35 +15,38 @@
 
 namespace crumple {
 
-/// Members of all parts among some triangles, sorted by part: those of part k are at [first[k], first[k + 1]).
+/// Members of all parts among some triangles of a scene, sorted by part: the triangles that belong to part k are
+/// entries [first[k], first[k + 1]). A triangle may belong to several parts.
 struct PartMembers {
     std::vector<std::int64_t> first;     ///< number of parts + 1
     std::vector<std::int32_t> triangle;  ///< triangles of the scene, ascending within a part
-    std::vector<std::uint64_t> masks;    ///< for each member one per level
+    std::vector<std::uint64_t> masks;    ///< for each member, one per level of the PartTree
 };
 
-/// Returns the ball that determines a triangle's membership.
+/// Function that returns the ball that determines a triangle's membership.
 using BallOfTriangle = FunctionRef<PartBall(std::int64_t triangle)>;
 
-/// Lists the members among triangles [begin, end). Reads no other triangle.
+/// Lists the members of all parts among triangles [begin, end). Calls `ball` for no other triangle.
 PartMembers list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t begin, std::int64_t end);
 
-/// Lists the members among triangles [0, count), on all threads, in consecutive slices.
+/// Lists the members of all parts among triangles [0, count) on all threads: one entry for each of several consecutive
+/// ranges of triangles.
 std::vector<PartMembers> list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t count,
                                       ParallelFor& parallel);
 
 /// Splits a scene into `count` parts. The result depends on the scene and the count only.
 std::vector<Part> make_parts(const PreparedScene& scene, int count, ParallelFor& parallel);
 
-/// Splits a scene by other balls. copy(ids, part) copies the triangles of these ids, ascending, into a part that
-/// already has its levels; it is called on all threads.
+/// Splits a scene by the given balls, instead of balls of the triangles themselves. copy(ids, part) copies the
+/// triangles `ids`, which ascend, into a part that already has its levels; it is called on all threads.
 std::vector<Part> make_parts(const PreparedScene& scene, int count, ParallelFor& parallel, BallOfTriangle ball,
                              FunctionRef<void(std::span<const std::int32_t> ids, Part& part)> copy);
 
-/// Throws Error (invalid_argument) if make_parts() could not have made the part. Does not look at its vertices.
+/// Throws Error (invalid_argument) if the part's index, levels, sizes of arrays or ids contradict each other. Checks
+/// neither coordinates nor the triangles' corners.
 void check_part(const Part& part);
 
-/// Converts positions in the part's lists of triangles to ids in the meshes.
+/// Converts pairs from indices of the part's triangles to ids in the meshes.
 void name_globally(const Part& part, Array<Pair>& pairs);
 
 }  // namespace crumple

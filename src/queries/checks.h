@@ -13,7 +13,7 @@
 
 namespace crumple {
 
-/// Throws with this message unless the condition holds.
+/// Throws the Error with this message unless the condition holds.
 void check(bool holds, const char* message);
 
 void check_options(const Options& options);
@@ -28,7 +28,7 @@ void check_query_options(const ProximityQuery& query, bool world);
 void check_query_options(const CandidateQuery& query, bool world);
 void check_query_options(const DistanceQuery& query);
 void check_query_options(const OverlapQuery& query, const World& world);
-/// Checks the rules about groups for a single mesh with this number of triangles.
+/// Checks the filter of groups for a single mesh with this number of triangles.
 void check_groups(const PairFilter& rules, std::int64_t triangles, bool has_groups);
 /// True if poses in device memory are given.
 inline bool given(const DevicePoses& poses) { return poses.data || poses.count > 0; }

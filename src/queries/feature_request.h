@@ -48,14 +48,14 @@ struct FeatureRequest {
     double share = 0;               ///< ImpactQuery::min_distance_share
     bool approaching_only = false;  ///< ImpactQuery::approaching_only
     bool strict = false;            ///< ProximityQuery::strict
-    bool low_memory = false;        ///< use as little memory as possible, in an amount that does not depend on threads
+    bool low_memory = false;        ///< uses as little memory as possible, the same for any number of threads
     const SceneFeatures& features;
     const GroupFilter& rule;
     // Unused for candidates:
     std::span<const double> radii = {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` applies
-    const VertexRings* rings = nullptr;  ///< pairs to leave out beyond those with a common vertex; null: none
+    const VertexRings* rings = nullptr;  ///< further adjacent pairs (ProximityQuery::rings); null: none
     const RestShape* rest = nullptr;     ///< rest shape; null: none
-    const Part* part = nullptr;          ///< part that the scene is made of: finds only its pairs; null: all pairs
+    const Part* part = nullptr;          ///< part that the scene is made of: only its pairs count; null: all pairs
 
     bool lists(CandidateKind kind) const { return kinds[static_cast<std::size_t>(kind)]; }
 };

@@ -18,7 +18,7 @@ constexpr bool is_near = std::is_same_v<Query, ProximityQuery>;
 template <class Query>
 constexpr bool is_candidates = std::is_same_v<Query, CandidateQuery>;
 
-/// Type of the index of the lists in the query's result.
+/// Enum that indexes the lists in the query's result.
 template <class Query>
 using KindOf = std::conditional_t<is_candidates<Query>, CandidateKind, FeatureKind>;
 

@@ -27,12 +27,13 @@ class NearInput {
     explicit NearInput(MemoryMeter* meter) : given_radii_(meter), points_(meter), body_(meter), rings_(meter) {}
 
     /// Reads and checks the input of the query and the shapes. `bodies`: see FeatureSearch. `here`: true if the arrays
-    /// are in host memory; otherwise their contents are not read. Throws Error (invalid_argument, not_finite) that
+    /// are in host memory; if false, only their sizes are checked. Throws Error (invalid_argument, not_finite) that
     /// names shape and vertex.
     void begin(const WorldOutline& outline, const ProximityQuery& query, bool bodies, bool here, ParallelFor& workers,
                SceneBuffers& buffers);
 
-    /// Sets the scene: the only body, read in place, or a scene of several bodies.
+    /// Sets the scene: a single body, whose input is read in place, or a scene of several bodies, whose input is
+    /// copied.
     void place(const Shape& only);
     void place(const WorldOutline& outline, const WorldScene& scene);
 

@@ -25,7 +25,8 @@ void release(Intersections& result) {
 
 void swap_out(Intersections& result, Intersections& other) {
     const auto swap_all = [&](auto&... mine) {
-        // Throws only under a limit, and then `other` has no memory to count.
+        // swap_elements() can throw only under a memory limit, and under a limit `other` owns no memory that would have
+        // to be counted.
         std::apply([&](auto&... theirs) { (mine.swap_elements(theirs), ...); }, arrays(other));
     };
     std::apply(swap_all, arrays(result));

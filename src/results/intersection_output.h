@@ -41,8 +41,8 @@ void swap_out(Intersections& result, Intersections& other);
 /// Makes offsets by first triangle and hit flags from result.pairs, which are sorted.
 void index_pairs(const PreparedScene& scene, Intersections& result);
 
-/// Drops pairs of the part's triangles that the part does not own, and makes offsets and flags. Call before contacts
-/// are made.
+/// Drops pairs that the part does not own from all pairs of the part's triangles, and makes offsets and flags.
+/// `levels`: those of the part. Call before contacts are made.
 void keep_owned(const PreparedScene& scene, const Levels& levels, Intersections& result);
 
 /// Returns the bytes of a result with this number of pairs. Contacts have capacity for six points per pair until they

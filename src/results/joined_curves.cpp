@@ -11,7 +11,8 @@ namespace {
 
 using FaceReader = std::function<FaceOfSurface(std::size_t side, std::int32_t face)>;
 
-/// End of a segment, where the edge between two vertices crosses a face.
+/// End of a segment, where the edge between vertices `low` and `high` of surface `side` crosses face `crossed` of the
+/// other surface.
 struct CurveEnd {
     std::size_t side;  ///< surface of the edge: 0 or 1
     std::int32_t low, high, crossed;
@@ -74,7 +75,8 @@ class FacesAroundEdge {
    private:
     static bool is_zero(const Vec3<Integer>& v) { return v == Vec3<Integer>{}; }
     int turn(const Vec3<Integer>& m, const Vec3<Integer>& n) const { return dot(cross(m, n), axis_).sign(); }
-    /// 0: less than half a turn from the first face, 1: more, 2: no direction.
+    /// Returns 0 for a face less than half a turn after the first one, 1 for a later one, 2 for one without a
+    /// direction.
     int half(const Vec3<Integer>& n) const {
         if (is_zero(n)) return 2;
         const int side = turn(first_, n);
@@ -97,8 +99,9 @@ struct Chains {
     }
 };
 
-// Going around the edge, a solid begins at a face that traverses the edge downward and ends at one that traverses it
-// upward. Matches these like brackets on a circle.
+// Joins the segments whose ends are one crossing of an edge. Going around the edge, a solid begins at a face that
+// traverses the edge downward and ends at one that traverses it upward. Matches the two kinds of faces like opening and
+// closing brackets on a circle.
 void join_at(std::span<const CurveEnd> ends, const FaceReader& face, Chains& chains) {
     if (ends.size() == 2) {
         if (ends[0].is_start != ends[1].is_start) chains.join(ends[0], ends[1]);

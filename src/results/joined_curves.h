@@ -26,10 +26,11 @@ struct JoinedCurve {
     bool closed = false;                 ///< the last segment ends where the first one starts
 };
 
-/// Joins the segments of one shift into curves. Segments from index `links` on belong to degenerate faces, whose edges
-/// coincide and cross the same face: they have no length, and connect curves without being listed in them. Curves are
-/// in the order of their lowest segments; closed ones start with it. A curve is open where an edge belongs to one face
-/// alone, or to faces that are not oriented alike. O(n log n).
+/// Joins segments, all of the same shift (exact/overlap/face_crossing.h), into curves. Segments from index `links` on
+/// belong to degenerate faces, whose edges coincide and cross the same face: such segments have no length, and connect
+/// other segments without being listed in curves. Curves are in the order of their lowest segments; closed ones start
+/// with it. A curve ends (is open) at an edge that belongs to one face alone, or to faces that are not oriented alike.
+/// O(n log n).
 std::vector<JoinedCurve> join_segments(std::span<const Segment> segments, std::size_t links,
                                        const std::function<FaceOfSurface(std::size_t side, std::int32_t face)>& face);
 

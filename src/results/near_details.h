@@ -12,8 +12,8 @@
 
 namespace crumple {
 
-/// Appends type and parameters of the closest points of `pairs`, which have indices of the scene, to those of the list.
-/// `workers`: null if called within one of their tasks.
+/// Appends type and parameters of the closest points of `pairs`, which have indices of the scene, to list.type and
+/// list.at. `workers`: null if called within a task of the workers.
 void append_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind,
                     const Array<Pair>& pairs, ParallelFor* workers, ProximityList& list);
 

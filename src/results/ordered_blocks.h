@@ -107,7 +107,7 @@ class OrderedBlocks {
         bool finished = false;
     };
 
-    // Waits until ready() or an error, and checks regularly for cancellation.
+    // Waits until ready() returns true or fail() was called, and checks regularly for cancellation.
     template <class Ready>
     void wait(std::unique_lock<std::mutex>& lock, Ready ready) {
         while (!failed_ && !ready()) {
@@ -155,9 +155,9 @@ class OrderedBlocks {
     std::mutex mutex_;
     std::condition_variable changed_;  ///< signals a change of the turn or of the number of queued rows
     std::map<std::int64_t, Unit> units_;
-    std::int64_t first_ = 0, turn_ = 0;
-    std::size_t kept_ = 0;  ///< rows of units whose turn has not come
-    bool busy_ = false;     ///< a thread is delivering
+    std::int64_t first_ = 0, turn_ = 0;  ///< unit 0 of the current scene, and the current unit, over all scenes
+    std::size_t kept_ = 0;               ///< number of queued rows: those of units that are not current yet
+    bool busy_ = false;                  ///< a thread is delivering
     bool failed_ = false;
     std::unique_ptr<Block> filling_;
 };

@@ -22,7 +22,7 @@ struct VertexWinding {
 struct OverlapCurve {
     bool closed = false;
     Vec3d area_vector, torque;    ///< about the row's torque point; NaN if the curve is open
-    std::vector<Vec3d> points;    ///< one more than segments
+    std::vector<Vec3d> points;    ///< number of segments plus 1
     std::vector<Pair> triangles;  ///< by segment
 };
 
@@ -31,7 +31,7 @@ struct OverlapRow {
     bool exists = false;  ///< the surfaces meet, or one has a component inside the other
     OverlapRelation relation = OverlapRelation::overlapping;
     OverlapNumbers numbers;
-    // If requested, of the first and the second body, by ascending vertex:
+    // If requested, for the first and the second body; in the order of vertices:
     std::array<std::vector<VertexVector>, 2> gradient;
     std::array<std::vector<VertexWinding>, 2> windings;
     std::vector<OverlapCurve> curves;
@@ -41,7 +41,8 @@ struct OverlapRow {
 /// Returns the bytes of a row's lists.
 std::size_t bytes_of(const OverlapRow& row);
 
-/// Converts a row to the row that the bodies would have if those with orientation −1 (not 1) were turned inside out.
+/// Converts a row to that of the same bodies with some of them turned inside out: the first body if `first` is −1 (else
+/// 1), the second if `second` is −1 (else 1).
 void orient(int first, int second, OverlapRow& row);
 
 /// Returns an empty result whose arrays are counted by the meter.
@@ -64,7 +65,8 @@ bool is_in_result(const OverlapQuery& query, const OverlapRow& row);
 /// Lists the bodies that were skipped. `bodies` may contain duplicates.
 void add_skipped(std::vector<std::int32_t> bodies, Overlaps& result);
 
-/// Adds a row to the arrays of the query's output. `world`: world index of the row, or −1.
+/// Adds a row to the arrays that the query's output includes. `world`: world index of the row, or −1 for two bodies
+/// that are in all worlds.
 void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t world, const OverlapRow& row,
              Overlaps& result);
 

@@ -6,8 +6,9 @@
 
 namespace crumple {
 
-/// Reduces all impacts or proximities of the scene's features to the rows that the request's part owns, and to the
-/// request's extent. A part owns a pair if the triangles that own the two features are a pair of the part.
+/// Reduces a result, which must have all impacts or proximities of the scene's features, to the rows that the request's
+/// part owns, and then to the request's extent. A part owns a pair if the triangles that own the two features are a
+/// pair of the part.
 void keep_owned(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result);
 
 }  // namespace crumple

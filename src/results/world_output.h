@@ -25,8 +25,7 @@ struct WorldBlocks {
 /// Empties the result and allocates its arrays by world.
 void clear(Intersections& result, const WorldOutline& outline, const IntersectionQuery& query);
 
-/// Records a collision with world index `pass`: in that world, or (pass = worlds()) among the bodies that are in all
-/// worlds.
+/// Records a collision in world `pass` or, if `pass` is outline.worlds(), among the bodies that are in all worlds.
 void hit(std::int32_t pass, const WorldOutline& outline, Intersections& result);
 
 /// Adds a colliding pair to the arrays of the query's output. Pairs must come in order.

@@ -1,6 +1,8 @@
 #pragma once
 
-// Pair filter of a world's triangles by bodies and groups, prepared for look-up.
+// Pair filter of a world's triangles by bodies and groups, prepared for look-up. In a scene made from a world, the
+// triangles of one body and one group form a class (BodyClass, pair_selection.h); the scene's groups are indices of
+// classes.
 
 #include <algorithm>
 #include <cstdint>
@@ -29,12 +31,12 @@ class BodyFilter {
         keys(rules.excluded_groups, excluded_groups_);
     }
 
-    /// within(): true if pairs within a body may be selected; between(): pairs of two different bodies; groups(): pairs
-    /// of two groups.
+    /// True if the filter allows pairs of triangles within a body (within(); `self` is its Body::self), of two
+    /// different bodies (between()), or of two groups (groups()).
     bool within(std::int32_t body, bool self) const { return self && wanted().bodies(body, body); }
     bool between(std::int32_t a, std::int32_t b) const { return wanted().bodies(a, b); }
     bool groups(std::int32_t g, std::int32_t h) const { return wanted().groups(g, h); }
-    /// True if groups are not filtered.
+    /// True if the filter allows all pairs of groups.
     bool any_group() const { return groups_ == PairScope::both && excluded_groups_.empty(); }
 
     /// Returns a view of the filter; valid while this object is unchanged.

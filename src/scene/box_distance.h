@@ -1,16 +1,18 @@
 #pragma once
 
-// Lower bound on the distance of boxes in the frames of two bodies, under both bodies' poses, and of posed triangles.
+// Lower bound on the distance of two objects, one of each of two bodies: boxes in the frames of the bodies, under their
+// poses, or posed triangles.
 //
-// Directions are those of separating_boxes.h: the columns of both poses, which are the axes of the boxes, and the line
-// through the middles of both shapes; and one known to the caller: from one body to the other where they are closest.
-// Here directions are scaled so that lengths along them are true lengths. Along the three axes of a frame, gaps are
-// components of one vector that is no longer than any distance of two points, so their squares add up. The columns of a
-// pose that is not rigid are no frame; they are shortened until they stretch no vector (Gershgorin's bound on the
-// eigenvalues of their Gram matrix).
+// Objects are projected to eight directions. Seven are those of separating_boxes.h: the columns of both poses, which
+// are the axes of the boxes, and the line through the middles of both shapes. The caller gives the eighth: the line
+// between the closest points found so far, if there are any. All directions have a length of at most 1, so a gap along
+// one of them is no longer than the distance. If the three columns of a pose are orthonormal, the gaps along them are
+// the components of a vector that is no longer than the distance, so the squares of the gaps add up. The columns of a
+// pose that is not rigid are shortened until this holds: until their matrix lengthens no vector (by Gershgorin's bound
+// on the eigenvalues of their Gram matrix).
 //
-// The unit of length exceeds how far all boxes of both bodies extend, so the error bounds are those of
-// separating_boxes.h. Directions whose numbers leave float64's middle range separate nothing.
+// The unit of length exceeds the extent of all boxes of both bodies together, so the error bounds are those of
+// separating_boxes.h. If numbers leave float64's middle range, nothing is separated.
 
 #include <cmath>
 #include <limits>
@@ -26,8 +28,8 @@ inline Four most(Four x, Four y) { return x > y ? x : y; }
 
 class BoxDistance {
    public:
-    /// One number per direction: `first` has the first body's axes and the line through the middles, `second` the
-    /// second body's axes and the known direction.
+    /// One number per direction. `first`: the first body's three axes and the line through the middles of the shapes.
+    /// `second`: the second body's three axes and the direction that the caller gives.
     struct Lanes {
         Four first{}, second{};
     };
@@ -41,8 +43,8 @@ class BoxDistance {
             high = {most(high.first, other.high.first), most(high.second, other.high.second)};
         }
 
-        /// If above 0: a lower bound on the squared distance. Else the objects may touch; the lower the value, the
-        /// deeper they overlap.
+        /// Returns a lower bound on the squared distance, to be compared with limit(), if it is above 0. Else the
+        /// objects may touch; the lower the value, the deeper they overlap.
         friend float gap(const Reach& a, const Reach& b) {
             const Four first = most(a.low.first - b.high.first, b.low.first - a.high.first),
                        second = most(a.low.second - b.high.second, b.low.second - a.high.second);
@@ -54,7 +56,7 @@ class BoxDistance {
         }
     };
 
-    /// Computes intervals for one of the two bodies.
+    /// Computes intervals of the boxes and triangles of one of the two bodies.
     class Side {
        public:
         Reach operator()(const SmallBox& box) const {
@@ -69,7 +71,8 @@ class BoxDistance {
                     {middle.first + radius.first, middle.second + radius.second}};
         }
 
-        /// Returns the interval of a triangle whose posed vertices are at p, q and r.
+        /// Returns the interval of a triangle. p, q and r: its posed vertices along each direction
+        /// (BoxDistance::operator()).
         Reach operator()(const Lanes& p, const Lanes& q, const Lanes& r) const {
             return {{least(p.first, least(q.first, r.first)) - slack_.first,
                      least(p.second, least(q.second, r.second)) - slack_.second},
@@ -82,7 +85,7 @@ class BoxDistance {
         Lanes along_[3], size_[3], offset_, slack_;
     };
 
-    /// `known`: any direction, 0 if there is none.
+    /// `known`: the eighth direction, of any length; 0 if there is none.
     BoxDistance(const Placement& a, const SmallFrame& frame_a, const Placement& b, const SmallFrame& frame_b,
                 const Vec3d& known) {
         const Affine pa = a.matrix(), pb = b.matrix();

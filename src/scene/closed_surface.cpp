@@ -81,7 +81,8 @@ void ClosedSurface::walk() {
         neighbour_[first_[edge.a + 1]++] = edge.b;
         neighbour_[first_[edge.b + 1]++] = edge.a;
     }
-    // Now the vertices adjacent to v are [first_[v], first_[v + 1]); next_[v] is the next one to follow.
+    // Now the vertices adjacent to v are entries [first_[v], first_[v + 1]) of neighbour_. next_[v] is the entry that
+    // the walk follows next.
     place_.assign(static_cast<std::size_t>(vertices), -1);
     vertex_at_.clear();
     end_of_.clear();

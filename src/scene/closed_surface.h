@@ -1,12 +1,12 @@
 #pragma once
 
-// Triangle surface prepared for winding numbers: detects if it is closed, and orders its vertices so that winding
-// numbers are piecewise constant with few steps.
+// Triangle surface prepared for winding numbers. Detects if it is closed, and orders its vertices so that in this order
+// the winding numbers of another surface are piecewise constant, with few steps.
 //
 // The edges have a spanning forest. The *place* of a vertex is its position in a depth-first walk of the forest. The
-// vertices below an edge of the forest form an interval of places. So if another surface crosses that edge, the winding
-// numbers of one interval change, and crossings of edges outside of the forest can be ignored. Faces are sorted by the
-// place of their first corner.
+// vertices below an edge of the forest form an interval of places. So if another surface crosses that edge, its winding
+// numbers at the vertices of this interval change, and crossings of edges outside of the forest can be ignored. Faces
+// are sorted by the place of their first corner.
 //
 //   places        0 ........................... places() - 1      vertices that no triangle names have none
 //   components    [0, end0) [end0, end1) ...                      one tree each
@@ -27,7 +27,8 @@ class ClosedSurface {
    public:
     explicit ClosedSurface(MemoryMeter* meter);
 
-    /// Reads a scene of one mesh. O(triangles); a comparison if the corners have not changed.
+    /// Reads a scene of one mesh. Cost: O(triangles), or only a comparison if the corners are those of the previous
+    /// call.
     void prepare(const PreparedScene& scene, ParallelFor& workers);
 
     /// Returns the open edges, sorted by their vertices; a closed surface has none. Cost: O(triangles).
@@ -38,7 +39,7 @@ class ClosedSurface {
     std::int32_t places() const { return static_cast<std::int32_t>(vertex_at_.size()); }
     std::int32_t place(std::int32_t vertex) const { return place_[vertex]; }
     std::int32_t vertex_at(std::int32_t place) const { return vertex_at_[place]; }
-    /// Returns the end of the subtree of a place: [place, end), including the place itself.
+    /// Returns the end of the interval [place, end) of a place and all places below it in the forest.
     std::int32_t end_of(std::int32_t place) const { return end_of_[place]; }
     /// First place of each component, and the end of the last one.
     const Array<std::int32_t>& components() const { return components_; }
@@ -49,8 +50,8 @@ class ClosedSurface {
     }
     const std::int32_t* corners(std::int32_t face) const { return features_.corners() + 3 * std::int64_t{face}; }
 
-    /// Returns 1 if an edge of a face (01, 12 or 20) leads down the forest, −1 if it leads up; 0 if the edge is not in
-    /// the forest, or another face represents it.
+    /// Returns 1 if an edge of a face (01, 12 or 20) leads down the forest, −1 if it leads up, and 0 if the edge is not
+    /// in the forest. Each edge of the forest counts in the lowest face that has it; the other faces get 0.
     int forest_edge(std::int32_t face, std::size_t edge) const {
         return (down_[face] >> edge & 1) - (down_[face] >> (edge + 3) & 1);
     }

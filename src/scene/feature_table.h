@@ -11,18 +11,20 @@
 
 namespace crumple {
 
-/// Edges of a triangle, by side; -1 if the side's ends are equal. If the caller lists edges, also -1 for each edge that
-/// the triangle does not own.
+/// Indices of a triangle's edges, by side; -1 if the side's ends are equal. If the caller lists edges, also -1 for each
+/// edge that the triangle does not own.
 using TriangleEdges = std::array<std::int32_t, 3>;
 
-/// Points of a triangle's corners, if points are listed.
+/// Positions of a triangle's points in the list of points, by corner, if the caller lists points; -1 for a corner whose
+/// point the triangle does not own.
 using PointsOfTriangle = std::array<std::int32_t, 3>;
 
-/// Ownership bits of a proxy triangle: it owns a vertex of no edge and no triangle at corner 0, or an edge of no
-/// triangle on side 0.
+/// Further ownership bits of a proxy triangle. lone_point: the point at its corner 0 belongs to no edge and no
+/// triangle. lone_edge: the edge on its side 0 belongs to no triangle.
 inline constexpr std::uint8_t lone_point = 1 << 6, lone_edge = 1 << 7;
 
-/// Other ends of a vertex's edges, as representatives: up to two different ones, -1 for none; `more`: there are others.
+/// Representatives (FeatureTable::name) of the vertices that share an edge with a vertex: up to two different ones, -1
+/// for none. `more`: there are others.
 struct NamedNeighbours {
     std::int32_t first = -1, second = -1;
     bool more = false;
@@ -32,16 +34,16 @@ struct FeatureTable {
     const TriangleEdges* edges_of = nullptr;
     const std::uint8_t* owned = nullptr;
     const std::int32_t* corners = nullptr;
-    const std::int32_t* names = nullptr;          ///< representative of each vertex; null: itself
-    const PointsOfTriangle* points_of = nullptr;  ///< null: points are vertices
+    const std::int32_t* names = nullptr;          ///< representative of each vertex; null: the vertex itself
+    const PointsOfTriangle* points_of = nullptr;  ///< null: a point's index is its vertex
     const NamedNeighbours* neighbours = nullptr;  ///< per vertex; null: there are no lone edges
     std::int64_t faces = 0;
 
     friend bool operator==(const FeatureTable&, const FeatureTable&) = default;
 
-    /// Returns the representative of a vertex: two vertices count as one if these are equal.
+    /// Returns the representative of a vertex. Vertices with the same representative count as one.
     CRUMPLE_HD std::int32_t name(std::int32_t vertex) const { return names ? names[vertex] : vertex; }
-    /// Returns the point of the vertex that a triangle or a proxy triangle owns at a corner.
+    /// Returns the index of the point that a triangle or a proxy triangle owns at a corner.
     CRUMPLE_HD std::int32_t point_of(std::int64_t triangle, int corner) const {
         return points_of ? points_of[triangle][static_cast<std::size_t>(corner)] : corners[3 * triangle + corner];
     }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Validates the edges and points that shapes list, and joins those of several bodies to the lists of one scene. Bodies
-// whose shape has no list contribute the default features: the edges of their triangles, and the vertices that a
+// Validates the lists of edges and points of shapes, and joins the lists of several bodies to those of one scene. A
+// body whose shape has no list contributes the default features: the edges of its triangles, and the vertices that a
 // triangle or an edge names.
 
 #include <string>
@@ -23,8 +23,8 @@ class JoinedLists {
     explicit JoinedLists(MemoryMeter* meter) : edges_(meter), points_(meter), named_(meter) {}
 
     /// Joins the lists of the bodies in `bodies`, from which `scene` was made, body after body. If some bodies list
-    /// edges and others do not, prepares `features` for the scene's triangles without lists. The result is valid until
-    /// the next call.
+    /// edges and others do not, prepares `features` for the scene's triangles without lists, to get the default edges.
+    /// The result is valid until the next call.
     CodimensionalFeatures join(const WorldOutline& outline, const WorldScene& bodies, const PreparedScene& scene,
                                ParallelFor& workers, SceneFeatures& features);
 

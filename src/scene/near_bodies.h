@@ -17,7 +17,7 @@ class NearBodies {
    public:
     explicit NearBodies(MemoryMeter* meter) : box_(meter), rest_(meter) {}
 
-    /// `box_of(b)`: the box of body b. The outline must outlive the use of this object.
+    /// Sets the boxes: box_of(b) returns that of body b. The outline must outlive the use of this object.
     template <class BoxOf>
     void prepare(const WorldOutline& outline, BoxOf box_of) {
         outline_ = &outline;
@@ -33,9 +33,9 @@ class NearBodies {
 
     const Bounds& box(std::int32_t body) const { return box_[body]; }
 
-    /// Calls visit(a, b), a < b, for the pairs with a body of this world whose boxes overlap. `world` may also be the
-    /// number of worlds: then for the pairs among bodies that are in all worlds. In no particular order. Ends when
-    /// visit returns false.
+    /// Calls visit(a, b), a < b, for each pair of bodies with overlapping boxes of which both bodies are in this world,
+    /// or one is in this world and the other in all worlds. If `world` is the number of worlds, visits the pairs of
+    /// bodies that are in all worlds. The order is arbitrary. Ends when visit returns false.
     template <class Visit>
     void for_each_pair(std::int32_t world, Visit visit) const {
         const bool last = world == outline_->worlds();

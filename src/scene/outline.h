@@ -1,7 +1,7 @@
 #pragma once
 
-// Outline of a scene, made before its arrays are read: shapes, counts, pointers. Also the error messages for invalid
-// arrays, shared by all places that validate them.
+// Outline of a scene: sizes, types, strides and pointers of its arrays, validated before their contents are read. Also
+// the error messages about invalid contents, for all code that validates them.
 
 #include <cstdint>
 #include <string>
@@ -15,7 +15,8 @@ namespace crumple {
 /// `subject`: the name of the mesh in the message.
 void check_mesh_outline(const MeshView& mesh, const std::string& subject, MemorySpace memory);
 
-/// Returns a scene with counts and readers of one mesh (b null) or two in `memory`. Throws Error (invalid_argument).
+/// Returns a scene with the counts and readers of one mesh (b null) or two, which must be in `memory`. Throws Error
+/// (invalid_argument).
 PreparedScene outline_scene(const MeshView& a, const MeshView* b, MemorySpace memory);
 
 /// Adds end positions to a scene of one mesh, without reading them. Throws Error (invalid_argument).

@@ -1,8 +1,8 @@
 #pragma once
 
-// Filter of pairs of triangles by their groups; for scenes made from worlds by bodies and groups. In the latter,
-// triangles of one body and one group form a class, and the scene's groups are class numbers. Compiled for host and
-// device.
+// Filter of pairs of triangles. It filters by groups, and in a scene made from a world also by bodies. In such a scene
+// the triangles of one body and one group form a class, and the scene's groups are indices of classes. Compiled for
+// host and device.
 
 #include <cstdint>
 
@@ -13,7 +13,7 @@ namespace crumple {
 struct alignas(16) BodyClass {
     std::int32_t body = 0, group = 0;
     std::uint32_t self : 1 = 1;        ///< Body::self
-    std::uint32_t everywhere : 1 = 0;  ///< in all worlds; such a body is only paired with bodies of the current world
+    std::uint32_t everywhere : 1 = 0;  ///< in all worlds, and to be paired only with bodies that are not
     std::uint32_t grouped : 1 = 1;     ///< false: in no group, so filters of groups do not apply
     friend bool operator==(const BodyClass&, const BodyClass&) = default;
 };
@@ -21,7 +21,7 @@ struct alignas(16) BodyClass {
 struct PairSelection {
     GroupSelection groups;
     GroupSelection bodies;               ///< filter of pairs of bodies
-    const BodyClass* classes = nullptr;  ///< for worlds; else null, and bodies are not filtered
+    const BodyClass* classes = nullptr;  ///< if made from a world; else null: bodies are not filtered
     friend bool operator==(const PairSelection&, const PairSelection&) = default;
 
     /// True if every pair is selected: callers may skip the test.

@@ -1,7 +1,7 @@
 #pragma once
 
-// Applies a body's pose: to single vertices exactly as the contract defines, and to boxes so that the posed box
-// contains all posed vertices.
+// Applies a body's pose: to vertices with exactly the operations that crumple/world.h defines (Pose), and to boxes so
+// that the posed box contains all posed vertices.
 
 #include <algorithm>
 #include <array>
@@ -32,7 +32,7 @@ inline constexpr double largest_number = std::numeric_limits<double>::max();
 inline constexpr Bounds no_bounds{{largest_number, largest_number, largest_number},
                                   {-largest_number, -largest_number, -largest_number}};
 
-/// Box by middle and half extent, rounded outwards: contains the given box.
+/// Box by its middle and half of its extent; contains the box that it is made from, because the half is rounded up.
 struct CentredBox {
     Vec3d middle, half;
 
@@ -61,7 +61,8 @@ struct Affine {
 class Placement {
    public:
     Placement() = default;
-    /// `pose` null: identity. `float32`: the shape's precision.
+    /// `pose`: not owned; null: identity. `float32`: true if the shape has float32 coordinates, to which posed vertices
+    /// are rounded.
     Placement(const Pose* pose, bool float32) : pose_(pose && *pose != Pose{} ? pose : nullptr), float32_(float32) {}
 
     bool identity() const { return pose_ == nullptr; }
@@ -73,7 +74,7 @@ class Placement {
         return float32_ ? rounded(posed) : posed;
     }
 
-    /// Poses many vertices, in blocks of four: each of given[axis] and posed[axis] has `blocks` blocks.
+    /// Poses many vertices, in blocks of four: given[axis] and posed[axis] have 4 * `blocks` coordinates each.
     void operator()(const double* const given[3], std::int32_t blocks, double* const posed[3]) const {
         for (int axis = 0; axis < 3; ++axis) {
             double* const out = posed[axis];
@@ -97,8 +98,9 @@ class Placement {
 
     Affine matrix() const { return {pose_ ? pose_->rows : Pose{}.rows}; }
 
-    /// Bound on the rounding error of a coordinate of any posed vertex in `box`: six roundings in float64, and one in
-    /// the shape's precision. Also covers a few further operations on `box`.
+    /// Returns a bound on the rounding errors of the posed coordinates of any vertex that is in `box` before it is
+    /// posed: six roundings in float64, and one in the shape's precision. The bound also covers a few further
+    /// operations on `box`.
     double error(const CentredBox& box) const {
         const std::array<double, 12> r = matrix().rows;
         double size = 0;
@@ -128,8 +130,9 @@ class Placement {
     }
 
    private:
-    // Hides the rounded numbers from the optimiser: g++ 12 with -O3 replaces double(float(x)) by x if it selects
-    // between both in lanes. They go through memory as one vector, as loads of smaller pieces would stall.
+    // Rounds to float32. Hides the rounded numbers from the optimiser, because g++ 12 with -O3 replaces
+    // double(float(x)) by x where vectorised code selects between x and double(float(x)). The numbers go through memory
+    // as one vector; loads of smaller pieces would stall.
     static void round_to_float(Two& low, Two& high) {
         using Four = float __attribute__((vector_size(16)));
         Four rounded{static_cast<float>(low[0]), static_cast<float>(low[1]), static_cast<float>(high[0]),

@@ -21,10 +21,10 @@ bool contiguous(const ArrayView<Type>& view) {
     return view.column_stride == size && view.row_stride == 3 * size;
 }
 
-// Finds the bounds of contiguous rows, and checks that all coordinates are finite. Sixteen rows at a time fill lanes of
-// any vector width, and are more than a compiler unrolls instead of vectorising; compare-and-select in lanes keeps its
-// meaning without -ffast-math. The difference of a finite value and itself is 0, that of others NaN, which persists in
-// the sum.
+// Finds the bounds of contiguous rows, and checks that all coordinates are finite. Handles sixteen rows at a time: they
+// fill vectors of any width, and a compiler vectorises a loop of this length instead of unrolling it. Minimum and
+// maximum are written as a comparison and a selection, which vectorise without -ffast-math. A finite value minus itself
+// is 0; for other values the difference is NaN, which persists in the sum.
 template <class T>
 ChunkCheck check_rows(const T* data, std::int64_t rows) {
     constexpr double most = std::numeric_limits<double>::max();
@@ -96,8 +96,8 @@ struct IndexReader {
     }
 };
 
-// True if all indices of triangles [begin, end) are in range. For an index out of range, the index or (last - index) is
-// negative: its highest bit is set.
+// True if all indices of triangles [begin, end) are in range. If an index is out of range, the highest bit of the index
+// or of (last - index) is set.
 template <class Index>
 bool check_corners(const TriangleView& view, std::int64_t vertex_count, std::int64_t begin, std::int64_t end) {
     using Unsigned = std::make_unsigned_t<Index>;

@@ -54,7 +54,7 @@ struct VertexReader {
 };
 
 struct PreparedScene {
-    bool between = false;                    ///< two meshes: only pairs across them
+    bool between = false;                    ///< true: two meshes, and only pairs with one triangle of each
     bool float32 = true;                     ///< all coordinates are float32 numbers
     std::array<VertexReader, 2> reader;      ///< first and second mesh
     std::array<std::int64_t, 2> vertices{};  ///< counts of the first and the second mesh
@@ -62,12 +62,12 @@ struct PreparedScene {
     const std::int32_t* corners = nullptr;      ///< 3 per triangle
     const std::int32_t* groups = nullptr;       ///< 1 per triangle, or null: all in group 0
     const std::int32_t* lone_groups = nullptr;  ///< 1 per vertex, for features without a triangle; null: all in group 0
-    const BodyFilter* bodies = nullptr;         ///< for a world: the filter that decides; `groups` are its classes
-    /// For worlds side by side, which are never paired: first triangle of each of `worlds` worlds, and the end. Null: a
-    /// single world.
+    const BodyFilter* bodies = nullptr;         ///< if made from a world: its filter, whose classes `groups` refers to
+    /// First triangle of each of `worlds` worlds that are side by side in the scene, and the end; triangles of
+    /// different worlds are never paired. Null: a single world.
     const std::int64_t* first_of_world = nullptr;
     int worlds = 1;
-    bool moving = false;  ///< single mesh whose vertices move straight to `end`
+    bool moving = false;  ///< true: a single mesh, whose vertices move straight to `end`
     VertexReader end;
     Vec3d low, high;                           ///< box of all vertices, at start and end; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
@@ -117,8 +117,8 @@ void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffe
 /// Throws Error (not_finite) that names the first vertex that is not finite, with the prefix `which`.
 void check_finite(const VertexView& vertices, const std::string& which, ParallelFor& workers, SceneBuffers& buffers);
 
-/// Sets names[v] to the lowest vertex with the position of v, at the start and, if the scene moves, at the end. -0
-/// equals +0. `table` is scratch.
+/// Sets names[v] to the lowest vertex that has the same position as v at the start and, if the scene moves, also at the
+/// end. -0 equals +0. `table` is scratch.
 void name_equal_positions(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names);
 
 /// Validates one mesh (b null) or two on the threads of `workers`, and joins them. Throws Error: not_finite,

@@ -1,5 +1,5 @@
-// Finds the triangles that own codimensional edges and points, and adds proxy triangles for the others
-// (scene_features.h).
+// Finds the triangles that own the listed (codimensional) edges and points, and adds a proxy triangle for each that no
+// triangle owns (scene_features.h).
 
 #include <algorithm>
 #include <atomic>
@@ -9,7 +9,7 @@
 namespace crumple {
 namespace {
 
-// Marks a listed edge that a triangle owns: it needs no proxy triangle.
+// Value of owner_[e] for a listed edge e that a triangle owns, so that it needs no proxy triangle.
 constexpr std::int32_t owned_by_triangle = -2;
 
 }  // namespace
@@ -27,8 +27,8 @@ std::int64_t SceneFeatures::points_below(std::int32_t vertex) const {
            points_.begin();
 }
 
-// The slots of one edge are in ascending order, those of triangles before those of the list. The first triangle owns
-// the first occurrence in the list.
+// A slot is a side of a triangle, or an entry of the list (SceneFeatures::Side). The slots of one edge are in ascending
+// order: first the sides of triangles, then the entries of the list. The first triangle owns the first entry.
 void SceneFeatures::find_owners_of_edges(ParallelFor& workers) {
     const auto sides = static_cast<std::int32_t>(3 * faces_);
     owner_.resize_discard(edges_.size());
@@ -41,7 +41,7 @@ void SceneFeatures::find_owners_of_edges(ParallelFor& workers) {
             if (face < 0 || listed == end) return;
             owner_[listed->slot - sides] = owned_by_triangle;
             edges_of_[face][static_cast<std::size_t>(slot % 3)] = listed->slot - sides;
-            // Another chunk may own another side of this triangle.
+            // Atomic, since another thread may set the bit of another side of this triangle.
             std::atomic_ref(owned_[face]).fetch_or(static_cast<std::uint8_t>(8 << slot % 3), std::memory_order_relaxed);
         });
     });
@@ -64,7 +64,8 @@ void SceneFeatures::add_proxies_of_edges() {
     }
 }
 
-// The first listed point at a vertex is owned by the owner of the vertex, if there is one.
+// The first listed point at a vertex is owned by the first triangle or proxy triangle that has the vertex, if there is
+// one. All other points in the list get proxy triangles.
 void SceneFeatures::add_proxies_of_points() {
     first_point_.assign(owner_.size(), -1);
     const auto n = static_cast<std::int32_t>(points_.size());
@@ -92,8 +93,9 @@ void SceneFeatures::add_proxies_of_points() {
     }
 }
 
-// Two other ends per vertex suffice for has_edge_apart(): an edge is apart from a lone edge if its other end is not on
-// the lone edge. Two different other ends may both be on it, three may not.
+// Two other ends per vertex suffice for has_edge_apart(): an edge of a vertex is apart from a lone edge if the edge's
+// other end is not on the lone edge. Two different other ends may both be on the lone edge, but of three, at least one
+// is not.
 void SceneFeatures::find_adjacent() {
     neighbours_.clear();
     if (!lone_edges_) return;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Rest shape of a scene: queries about nearness drop features that are close to each other in it.
+// Rest shape of a scene: queries about nearness drop pairs of features whose distance in the rest shape is at most
+// `radius`.
 
 #include <cstdint>
 
@@ -10,11 +11,12 @@ namespace crumple {
 
 struct RestShape {
     VertexReader position;  ///< rest positions of the scene's vertices
-    /// Body of each vertex, or -1 if it has no rest shape; null: all are of one body.
+    /// Index of the body of each vertex, or -1 if that body has no rest shape; null: all vertices are of one body.
     const std::int32_t* body = nullptr;
     double radius = 0;
 
-    /// True if features with these vertices have a distance in the rest shape: both are of one body that has one.
+    /// True if features with these vertices have a distance in the rest shape: both vertices are of the same body, and
+    /// it has a rest shape.
     bool knows(std::int32_t v, std::int32_t w) const { return !body || (body[v] >= 0 && body[v] == body[w]); }
 };
 

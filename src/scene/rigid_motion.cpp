@@ -58,7 +58,7 @@ struct Turn {
 /// Returns the rotation from one pose to another, from the quaternion's largest component.
 Turn turn_between(const Pose& start, const Pose& end) {
     const Rotation a = rotation_of(start), b = rotation_of(end);
-    // Entry of b times the transpose of a.
+    // Returns entry (i, k) of b times the transpose of a.
     const auto m = [&](std::size_t i, std::size_t k) { return dot(b[i], a[k]); };
     const double trace = m(0, 0) + m(1, 1) + m(2, 2);
     const std::array<double, 4> squares{1 + 2 * m(0, 0) - trace, 1 + 2 * m(1, 1) - trace, 1 + 2 * m(2, 2) - trace,
@@ -107,7 +107,7 @@ RigidMotion cut_rigid_motion(std::span<const Pose> start, std::span<const Pose> 
         if (!(radii[b] >= 0) || !std::isfinite(radii[b])) refuse_body(b, "its radius must be finite and 0 or more");
         turns[b] = turn_between(start[b], end[b]);
         size = std::max(size, radii[b] + largest(abs(translation_of(start[b]))) + largest(abs(translation_of(end[b]))));
-        // Each of two bodies gets half of the tolerance.
+        // The tolerance is for a pair of bodies, so each body gets half of it.
         const double most = 4 * std::asin(std::sqrt(std::min(0.5, tolerance / (4 * radii[b]))));
         if (turns[b].angle > 0) pieces = std::max(pieces, std::ceil(turns[b].angle / most));
     }
@@ -128,7 +128,8 @@ RigidMotion cut_rigid_motion(std::span<const Pose> start, std::span<const Pose> 
     }
     motion.poses.insert(motion.poses.end(), end.begin(), end.end());
     for (std::size_t b = 0; b < bodies; ++b) {
-        // The given matrices are not exact rotations, so turning the first need not give the last one exactly.
+        // The given matrices are not exact rotations, so rotating the start pose by the whole angle need not give the
+        // end pose exactly.
         const Rotation turned = turns[b](rotation_of(start[b]), 1), given = rotation_of(end[b]);
         double off = 0;
         for (std::size_t row = 0; row < 3; ++row) off = std::max(off, largest(abs(turned[row] - given[row])));

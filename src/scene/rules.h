@@ -1,6 +1,7 @@
 #pragma once
 
-// Pair filter of a query, by groups; for scenes made from worlds by the classes of body_filter.h.
+// Pair filter of a search: by the groups of the query or, for a scene made from a world, by the BodyFilter of that
+// world.
 
 #include <algorithm>
 #include <cstdint>
@@ -13,7 +14,7 @@
 
 namespace crumple {
 
-/// Filter of groups of a query, prepared for look-up.
+/// Pair filter by the groups of a scene's triangles, prepared for look-up.
 class GroupFilter {
    public:
     explicit GroupFilter(MemoryMeter* meter = nullptr) : excluded_(meter) {}
@@ -21,7 +22,7 @@ class GroupFilter {
     /// Frees its memory.
     void release() { excluded_.release(); }
 
-    /// `bodies`: for a scene whose groups are classes of bodies, the filter that then decides instead of the query's;
+    /// `bodies`: for a scene whose groups are classes (body_filter.h), the filter that decides instead of `filter`;
     /// else null.
     void prepare(const PairFilter& filter, const BodyFilter* bodies = nullptr) {
         bodies_ = bodies;
@@ -35,7 +36,7 @@ class GroupFilter {
     /// True if every pair is selected: callers may skip the test.
     bool trivial() const { return !bodies_ && of_groups().all(); }
 
-    /// True if no pair within a group is selected.
+    /// True if no pair of triangles of the same group (or class) is selected.
     bool groups_apart() const { return bodies_ ? classes_apart_ : wanted_ == PairScope::between; }
 
     /// Returns a view of the filter; valid while this object is unchanged.

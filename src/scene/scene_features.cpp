@@ -105,7 +105,7 @@ void SceneFeatures::prepare(const PreparedScene& scene, bool weld, ParallelFor& 
         if (lists_points_) add_proxies_of_points();
         vertices_ = scene.vertex_count();
     }
-    if (weld || is_welded() || has_lone_edges()) ++revision_;  // representatives depend on positions
+    if (weld || is_welded() || has_lone_edges()) ++revision_;  // representatives depend on positions, too
     names_.clear();
     if (weld) name_equal_positions(scene, buffers_.table, names_);
     find_adjacent();
@@ -126,7 +126,7 @@ void SceneFeatures::adopt(const Part& part) {
     vertices_ = -1;
     ++revision_;
     is_copied_ = true;
-    lone_edges_ = false;  // adjacent vertices are given
+    lone_edges_ = false;  // unused: neighbours_ is copied below
     copy(given.edge_ends, edges_);
     copy(given.edges_of, edges_of_);
     copy(given.owned, owned_);
@@ -143,8 +143,8 @@ void SceneFeatures::adopt(const Part& part) {
     vertices_ = static_cast<std::int64_t>(given.vertices.size());
 }
 
-// Counting sort of all sides, followed by codimensional edges, by their lower vertex; then sorts the sides of each
-// vertex by the other end.
+// Sorts all sides of triangles, followed by the codimensional edges, by their lower vertex (counting sort). Then sorts
+// the entries of each vertex by the other end.
 void SceneFeatures::sort_sides(const PreparedScene& scene, ParallelFor& workers) {
     const std::int64_t sides = 3 * faces_, vertices = scene.vertex_count();
     const std::int64_t slots = sides + static_cast<std::int64_t>(edges_.size());
@@ -154,7 +154,7 @@ void SceneFeatures::sort_sides(const PreparedScene& scene, ParallelFor& workers)
         return std::pair(std::min(e.a, e.b), std::max(e.a, e.b));
     };
     first_.assign(static_cast<std::size_t>(vertices) + 2, 0);
-    std::int64_t* next = first_.data() + 1;  // counts, then positions; finally first_[v] is the start of v's sides
+    std::int64_t* next = first_.data() + 1;  // counts, then positions; finally first_[v] is v's first entry
     for (std::int64_t slot = 0; slot < slots; ++slot) {
         const auto [low, high] = ends(slot);
         if (low != high) ++next[low + 1];
@@ -192,7 +192,7 @@ void SceneFeatures::make_edges(ParallelFor& workers) {
         std::int64_t edge = count_[c];
         for_each_edge_of(c, [&](std::int32_t v, const Side* begin, const Side* end) {
             edges_[edge] = {v, begin->other};
-            // Another chunk may own another side of this triangle.
+            // Atomic, since another thread may set the bit of another side of this triangle.
             std::atomic_ref(owned_[begin->slot / 3])
                 .fetch_or(static_cast<std::uint8_t>(8 << begin->slot % 3), std::memory_order_relaxed);
             for (const Side* s = begin; s != end; ++s)

@@ -3,17 +3,18 @@
 // Vertices and edges of a scene, each once, with the triangle that owns it, and proxy triangles for features that no
 // triangle can own.
 //
-// A feature is owned by the lowest triangle that names it. A pair of features is tested if the sweep reports the pair
-// of their owners. So each pair is tested once, and the triangles' hulls, which contain their features, decide whether
-// it has to be. Faces own themselves.
+// A feature is owned by the lowest triangle that names it; a face owns itself. A pair of features is tested if the
+// sweep reports the pair of the owning triangles. So each pair of features is tested at most once, and only if the
+// bounding volumes of the owners, which contain the features, are close enough.
 //
 //   triangle t: corners c0 c1 c2, edges e0 = c0 c1, e1 = c1 c2, e2 = c2 c0
 //   owned[t]:   bit k: the vertex at corner k;  bit 3 + k: edge k;  lone_point, lone_edge: see feature_table.h
 //
-// If the caller lists edges or points, these are the features. A listed edge or point that no triangle names has a
-// *proxy triangle*: a degenerate triangle (a, b, b) for an edge, (v, v, v) for a point. It comes after the scene's
-// triangles, owns that feature, and is not a face. Each repetition of an edge or a point in the list has a proxy
-// triangle, too, even if a triangle names the feature (proxies.cpp).
+// If the caller lists edges or points (codimensional features), these replace the edges or the vertices of the
+// triangles. A listed edge that no triangle names has a *proxy triangle*: a degenerate triangle (a, b, b), which comes
+// after the scene's triangles, owns the edge, and is not a face. A listed point whose vertex belongs to no triangle and
+// no such edge has a proxy triangle (v, v, v). So has each repetition of an edge or a point in its list, even if a
+// triangle names the feature (proxies.cpp).
 
 #include <algorithm>
 #include <array>
@@ -31,7 +32,8 @@
 
 namespace crumple {
 
-/// Edges and points that the caller lists, as vertices of the scene; validated.
+/// Edges and points that the caller lists, as indices of the scene's vertices; validated. Without a value, there is no
+/// list.
 struct CodimensionalFeatures {
     std::optional<std::span<const Edge>> edges = {};
     std::optional<std::span<const std::int32_t>> points = {};
@@ -41,13 +43,14 @@ class SceneFeatures {
    public:
     explicit SceneFeatures(MemoryMeter* meter);
 
-    /// Finds the features of the scene's triangles, or those listed. Results are cached while corners and lists stay
-    /// the same; then the cost is a comparison, else O(triangles, edges, points), mostly on all threads. `weld`:
-    /// vertices with equal positions, at the start and at the end, count as one for incident().
+    /// Finds the edges and vertices of the scene's triangles, or those that are listed, and their owners. Results are
+    /// cached while the corners and the lists stay the same; then the cost is a comparison, else O(triangles + edges +
+    /// points), mostly on all threads. `weld`: vertices with equal positions, at the start and at the end, count as one
+    /// for incident().
     void prepare(const PreparedScene& scene, bool weld, ParallelFor& workers, const CodimensionalFeatures& listed = {});
 
-    /// True if prepare(), without welding, was last called for the same numbers of vertices, triangles, codimensional
-    /// edges and codimensional points.
+    /// True if prepare() was last called without welding, for the same numbers of vertices, triangles, codimensional
+    /// edges and codimensional points as `shape` has.
     bool has_counts_of(const Shape& shape) const {
         const auto listed = [](bool lists, const auto& mine, const auto& theirs) {
             return lists == theirs.has_value() && (!lists || mine.size() == theirs->size());
@@ -56,23 +59,24 @@ class SceneFeatures {
                listed(lists_edges_, edges_, shape.edges) && listed(lists_points_, points_, shape.points);
     }
 
-    /// Copies the features of a validated part; replaces prepare().
+    /// Copies the features of a validated part (crumple/part.h), instead of prepare().
     void adopt(const Part& part);
 
-    /// Edges are identified by their index in edges(). edges_of() and owned() take triangles and proxy triangles.
+    /// Edges are identified by their index in edges(). edges_of() and owned() accept the indices of triangles and of
+    /// proxy triangles.
     const Array<Edge>& edges() const { return edges_; }
     const TriangleEdges& edges_of(std::int64_t triangle) const { return edges_of_[triangle]; }
     std::uint8_t owned(std::int64_t triangle) const { return owned_[triangle]; }
 
     bool lists_edges() const { return lists_edges_; }
-    /// If points are not listed, a point's index is its vertex; else its position in the list.
+    /// True if the caller lists points. Then the index of a point is its position in the list; else it is its vertex.
     bool lists_points() const { return lists_points_; }
     std::int64_t points() const { return lists_points_ ? static_cast<std::int64_t>(points_.size()) : vertices_; }
     std::int32_t vertex_of(std::int32_t point) const { return lists_points_ ? points_[point] : point; }
-    /// Returns the number of points with vertices below this one. The list must be ordered at this vertex: points of
-    /// lower vertices first, as the points of consecutive bodies are.
+    /// Returns the number of points whose vertices are below this one. In the list, the points of lower vertices must
+    /// come before all others, as they do if this is the first vertex of a body.
     std::int64_t points_below(std::int32_t vertex) const;
-    /// Returns the point of the vertex that a triangle or a proxy triangle owns at a corner.
+    /// Returns the index of the point that a triangle or a proxy triangle owns at a corner.
     std::int32_t point_of(std::int64_t triangle, int corner) const { return table().point_of(triangle, corner); }
 
     /// Number of triangles of the scene; proxy triangles are numbered from there on.
@@ -87,9 +91,10 @@ class SceneFeatures {
     const std::int32_t* corners() const { return corners_.data(); }
     PreparedScene with_proxies(PreparedScene scene) const;
 
-    /// True if vertices have representatives other than themselves (see name()), because they are welded.
+    /// True if vertices are welded. name() then returns the representative of a vertex, which may be another vertex at
+    /// the same position.
     bool is_welded() const { return !names_.empty(); }
-    const Array<std::int32_t>& names() const { return names_; }  ///< representative of each vertex; empty: itself
+    const Array<std::int32_t>& names() const { return names_; }  ///< representative of each vertex; empty if not welded
     std::int32_t name(std::int32_t vertex) const { return names_.empty() ? vertex : names_[vertex]; }
     /// incident(): true if a vertex and a face, a vertex and an edge, or two edges have a common vertex.
     bool incident(std::int32_t vertex, const std::int32_t* corners) const {
@@ -108,7 +113,7 @@ class SceneFeatures {
         return {edges_of_.data(), owned_.data(),    corners_.data(), any(names_),
                 any(points_of_),  any(neighbours_), faces_};
     }
-    /// The codimensional points, as vertices; empty: points are vertices.
+    /// Vertices of the codimensional points, if lists_points(); else empty.
     const Array<std::int32_t>& codimensional_points() const { return points_; }
     const Array<PointsOfTriangle>& points_of() const { return points_of_; }
     /// Changes whenever the features change.
@@ -136,7 +141,7 @@ class SceneFeatures {
     void add_proxy(const std::array<std::int32_t, 3>& corners, std::uint8_t owned, std::int32_t face);
     void find_adjacent();
 
-    static constexpr std::int64_t chunk = 4096;  ///< lower vertices per chunk
+    static constexpr std::int64_t chunk = 4096;  ///< vertices per chunk; an edge is in the chunk of its lower vertex
     /// Calls visit(v, begin, end) with the sides of each edge whose lower vertex v is in the chunk.
     template <class Visit>
     void for_each_edge_of(std::size_t c, Visit visit) {
@@ -156,17 +161,17 @@ class SceneFeatures {
     Array<Edge> edges_;
     Array<TriangleEdges> edges_of_;
     Array<std::uint8_t> owned_;
-    Array<std::int32_t> names_, corners_;  ///< corners_: cache key of all other members
+    Array<std::int32_t> names_, corners_;  ///< corners_: key of the cache, with edges_ and points_ if listed
     std::int64_t vertices_ = -1, faces_ = 0;
     std::uint64_t revision_ = 0;
     bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false, is_copied_ = false;
-    Array<std::int32_t> points_;         ///< points as listed, by vertex
-    Array<PointsOfTriangle> points_of_;  ///< per triangle, by corner; empty: points are vertices
+    Array<std::int32_t> points_;         ///< vertices of the codimensional points
+    Array<PointsOfTriangle> points_of_;  ///< per triangle; empty: a point's index is its vertex
     Array<std::int32_t> face_of_carrier_;
     Array<Neighbours> neighbours_;  ///< per vertex, if there are lone edges
     // Scratch:
     Array<Side> side_;
-    Array<std::int64_t> first_;        ///< first side of each lower vertex
+    Array<std::int64_t> first_;        ///< by lower vertex: its first entry of side_
     Array<std::int64_t> count_;        ///< number of edges of each chunk of lower vertices
     Array<std::int32_t> owner_;        ///< owner of each vertex, or of each listed edge
     Array<std::int32_t> first_point_;  ///< first position of each vertex in the list of points

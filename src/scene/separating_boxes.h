@@ -14,8 +14,9 @@
 //
 // Boxes are given in float32, relative to the middle of the shape and in units of its extent. Along a direction, the
 // unit of length is the extent of all boxes of both bodies, so no number exceeds 1 by much and no sum of magnitudes
-// exceeds 2; each number is rounded at most nine times, which `slack` covers twice. `slack` also covers the rounding of
-// vertices (Placement::error). A direction whose numbers leave float64's middle range separates nothing.
+// exceeds 2; each number is rounded at most nine times, and `slack` is at least twice the bound on the resulting error.
+// `slack` also covers the rounding of vertices (Placement::error). A direction whose numbers leave float64's middle
+// range separates nothing.
 
 #include <cmath>
 #include <limits>
@@ -29,8 +30,9 @@ struct SmallBox {
     float middle[3], half[3];
 };
 
-/// Frame of a shape's small boxes: the box of the shape, and the unit of length, a power of two. For a shape near the
-/// largest number the unit is infinite, so that small boxes are NaN where they are used, and nothing is apart.
+/// Frame of a shape's small boxes: the box of the shape, and the unit of length, a power of two. If the shape extends
+/// nearly as far as the largest float64 number, the unit is infinite; then the boxes become NaN where they are used,
+/// and nothing counts as apart.
 struct SmallFrame {
     CentredBox all;
     double unit = 1;
@@ -73,7 +75,8 @@ class SeparatingBoxes {
     struct Reach {
         alignas(16) Lanes low, high;
 
-        /// Largest gap along any direction, without a unit: above 0, the boxes are certainly apart.
+        /// Returns the largest gap along any direction. Only its sign has a meaning: above 0, the boxes are certainly
+        /// apart.
         friend float gap(const Reach& a, const Reach& b) {
             Lanes apart;
             for (int i = 0; i < lanes; ++i) apart[i] = max(a.low[i] - b.high[i], b.low[i] - a.high[i]);

@@ -8,7 +8,7 @@
 namespace crumple {
 namespace {
 
-/// Bounding box and number of some centroids.
+/// Number and bounding box of some centroids of triangles.
 struct Section {
     Bounds box = no_bounds;
     std::int64_t count = 0;
@@ -65,9 +65,10 @@ void ShapeTree::build(const Shape& shape) {
     order_.release();
 }
 
-// Splits along the longest axis at the least sum of box surface times number of triangles, because a walk enters a box
-// about as often as its surface is large (surface area heuristic). Of 32 candidate places, those that leave less than
-// an eighth on one side are skipped, so that the depth is logarithmic. If none is left, splits at the median centroid.
+// Splits along the longest axis, where the sum over both sides of box surface times number of triangles is least
+// (surface area heuristic: the probability that a walk enters a box is about proportional to its surface). The boxes
+// are those of the centroids. Of the 31 candidate places, those that leave less than an eighth of the triangles on one
+// side are skipped, so that the depth of the tree is logarithmic. If none is left, splits at the median centroid.
 ShapeTree::Item* ShapeTree::split(Item* begin, Item* end) {
     constexpr int bins = 32, least_share = 8;
     Section all;

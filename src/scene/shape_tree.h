@@ -6,8 +6,9 @@
 // does not change: its tree is built once and serves every body of that shape under every pose. The tree only culls: it
 // finds the groups of two bodies that may meet. The usual stages decide the rest.
 //
-// Built top-down: each node is split along its longest axis, where the boxes of both halves are small. Nodes are in
-// depth-first order: the left child follows its parent. Each group has its own vertices, so that it can be posed alone.
+// The tree is built top-down: each node is split along its longest axis, at the place that the surface area heuristic
+// chooses. Nodes are in depth-first order: the left child follows its parent. Each group has its own copies of its
+// vertices, so that it can be posed alone.
 
 #include <array>
 #include <cstdint>
@@ -25,16 +26,16 @@ class ShapeTree {
 
     struct Node {
         SmallBox box;
-        std::int32_t right = 0;   ///< right child; the left child is the next node
-        std::int32_t group = -1;  ///< group of a leaf, negative for inner nodes
+        std::int32_t right = 0;   ///< index of the right child; the left child is the next node
+        std::int32_t group = -1;  ///< index of a leaf's group; negative for inner nodes
 
         float extent() const { return max(box.half[0], max(box.half[1], box.half[2])); }
     };
 
     struct Group {
-        std::int32_t count = 0;        ///< triangles
-        std::int64_t first_block = 0;  ///< first of its blocks of four vertices
-        std::int32_t blocks = 0;       ///< number of blocks; the last vertex is repeated to fill the last one
+        std::int32_t count = 0;        ///< number of triangles
+        std::int64_t first_block = 0;  ///< index of its first block of four vertices, over all groups
+        std::int32_t blocks = 0;       ///< number of blocks; copies of the last vertex fill the last block
         std::int32_t vertices = 0;
         std::array<std::int32_t, most_triangles> triangle;  ///< triangles of the shape, ascending
         std::array<std::array<std::uint8_t, 3>, most_triangles> corner;
@@ -46,8 +47,8 @@ class ShapeTree {
     explicit ShapeTree(MemoryMeter* meter)
         : node_(meter), first_(meter), group_(meter), vertex_(meter), box_(meter), order_(meter) {}
 
-    /// Builds the tree. Throws Error (without the shape's name) for coordinates that are not finite and indices out of
-    /// range. O(m log m).
+    /// Builds the tree. Throws Error for coordinates that are not finite and indices out of range; the message does not
+    /// name the shape. O(m log m) for m triangles.
     void build(const Shape& shape);
 
     bool empty() const { return group_.empty(); }
@@ -129,8 +130,8 @@ struct PairWalk {
         return gap(root_a.reach, root_b.reach) > 0 || (*this)(root_a, root_b);
     }
 
-    // Visits a pair of nodes that are not apart. The children that overlap most come first, because a hit is most
-    // likely there.
+    // Visits a pair of nodes whose boxes are not certainly apart. Of the two children, the one that overlaps the other
+    // node more comes first, because a hit is most likely there.
     bool operator()(const At& at_a, const At& at_b) {
         const ShapeTree::Node &node_a = a.node(at_a.node), &node_b = b.node(at_b.node);
         const bool leaf_a = node_a.group >= 0, leaf_b = node_b.group >= 0;

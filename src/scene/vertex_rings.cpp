@@ -47,7 +47,8 @@ bool VertexRings::known(const SceneFeatures& features, std::int64_t vertices, st
            same(names_.span(), features.names().span());
 }
 
-// Counting sort of both directions of each side by their first vertex; then removes duplicates.
+// Lists the adjacent vertices of each vertex: sorts both directions of each side by their first vertex (counting sort),
+// then removes duplicates.
 void VertexRings::find_next(const SceneFeatures& features, std::int64_t vertices) {
     first_next_.assign(static_cast<std::size_t>(vertices) + 2, 0);
     // Counts, then positions; finally v's entries begin at first_next_[v].
@@ -79,7 +80,7 @@ void VertexRings::find_next(const SceneFeatures& features, std::int64_t vertices
     first_next_[vertices] = end - next_.begin();
 }
 
-// Breadth-first, ring by ring. Edges from one ring lead to the previous ring, the same ring, or the next one.
+// Searches breadth-first, ring by ring. Edges from one ring lead to the previous ring, the same ring, or the next one.
 void VertexRings::walk(std::int32_t from, Array<std::int32_t>& reached) const {
     reached.clear();
     reached.push_back(from);
@@ -104,7 +105,7 @@ void VertexRings::walk(std::int32_t from, Array<std::int32_t>& reached) const {
     std::sort(reached.begin(), reached.end());
 }
 
-// Walks twice, first to count, so that only the result needs metered memory.
+// Walks from each vertex twice, once to count and once to store, so that only the result needs metered memory.
 void VertexRings::prepare(const SceneFeatures& features, std::int64_t vertices, std::int32_t rings,
                           ParallelFor& workers, Cancellation& cancellation) {
     if (known(features, vertices, rings)) return;

@@ -1,8 +1,8 @@
 #pragma once
 
-// Rings of each vertex: the vertices that a path of at most `rings` edges leads to, in ascending order. Vertices are
-// identified by their representatives (SceneFeatures::name). The relation is symmetric. Edges are those of all
-// triangles, and those that are listed.
+// Rings of each vertex: the vertices that a path of at most `rings` edges leads to, by ascending index. Welded vertices
+// are identified by their representatives (SceneFeatures::name). The relation is symmetric. Edges are the sides of all
+// triangles, and the edges that the caller lists.
 
 #include <algorithm>
 #include <cstdint>
@@ -20,18 +20,18 @@ class VertexRings {
     explicit VertexRings(MemoryMeter* meter)
         : of_(meter), first_(meter), next_(meter), first_next_(meter), corners_(meter), names_(meter) {}
 
-    /// Finds the rings on all threads. `vertices`: number of vertices of the features' scene. The result is cached
-    /// while corners, representatives and `rings` stay the same; then the cost is a comparison. Else one walk per
-    /// vertex: O(v r d log(r d)) for v vertices, with r vertices in the rings and d edges per vertex. Memory: 4 bytes
-    /// for each of the v r entries, and about 100 per vertex.
+    /// Finds the rings on all threads. `vertices`: number of vertices of the scene that `features` was made from. The
+    /// result is cached while corners, representatives and `rings` stay the same; then the cost is a comparison. Else
+    /// the cost is that of two walks per vertex: O(v r d log(r d)) for v vertices, with r vertices in the rings of each
+    /// and d edges per vertex. Memory: 4 bytes for each of the v r entries, and about 100 per vertex.
     void prepare(const SceneFeatures& features, std::int64_t vertices, std::int32_t rings, ParallelFor& workers,
                  Cancellation& cancellation);
 
-    /// Copies the rings of a validated part; replaces prepare().
+    /// Copies the rings of a validated part (crumple/part.h), instead of prepare().
     void adopt(const PartFeatures& part);
 
     std::int32_t rings() const { return rings_; }
-    /// Returns the other vertices in the rings of a representative vertex.
+    /// Returns the vertices in the rings of a representative vertex, without the vertex itself.
     std::span<const std::int32_t> about(std::int32_t name) const {
         return {of_.data() + first_[name], static_cast<std::size_t>(first_[name + 1] - first_[name])};
     }

@@ -15,7 +15,7 @@ constexpr std::int64_t most_elements = std::numeric_limits<std::int32_t>::max();
     throw Error(ErrorCode::invalid_argument, message, element, index);
 }
 
-// Without rows and data there is no end: the shape does not move.
+// A shape whose end positions have neither rows nor data does not move.
 void check_end(const Shape& shape, std::size_t s) {
     const VertexView& end = shape.end;
     if (!end.data && end.rows == 0) return;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Validated outline of a world, made without reading coordinates: the first triangle of each body, counted over all
-// bodies, and the bodies of each world.
+// Validated outline of a world, made without reading coordinates or indices: the number of each body's first triangle
+// over all bodies, and the range of bodies of each world.
 
 #include <cstdint>
 #include <string>
@@ -32,13 +32,13 @@ class WorldOutline {
                 shape(b).vertices.type == ScalarType::float32};
     }
 
-    /// Returns the placement at the end of a step.
+    /// Returns the placement at the end of a step; that at the start if nothing else is given.
     Placement end_placement(std::int32_t b) const {
         const auto& poses = world_.end_poses.empty() ? world_.poses : world_.end_poses;
         const VertexView& vertices = shape(b).end.data ? shape(b).end : shape(b).vertices;
         return {poses.empty() ? nullptr : &poses[static_cast<std::size_t>(b)], vertices.type == ScalarType::float32};
     }
-    /// True if any body moves.
+    /// True if end poses are given, or any shape has end positions.
     bool moving() const;
 
     /// Worlds are numbered from 0 to worlds() - 1, empty ones included; bodies of world w are [first_body(w),

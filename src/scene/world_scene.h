@@ -1,11 +1,12 @@
 #pragma once
 
-// Scene of posed triangles made of the bodies of one world, or of those of their triangles that may meet; any backend
-// can search it. For backends that support it, also of several worlds side by side (PreparedScene::worlds).
+// Scene of posed triangles, made from the bodies of one world: from all of their triangles, or only from those that may
+// meet. Any backend can search it. For backends that support this, one scene can hold several worlds side by side
+// (PreparedScene::worlds).
 //
 // Worlds are added one after the other, with their bodies in ascending order, and the triangles of each body in
-// ascending order, so that the scene's pairs are in the order of the result. The scene's groups are classes of
-// BodyFilter.
+// ascending order, so that the scene's pairs are in the order of the result. Triangles of one body and one group form a
+// class, and the scene's groups are indices of classes (BodyFilter::classes).
 
 #include <cstdint>
 
@@ -24,15 +25,16 @@ class WorldScene {
     explicit WorldScene(MemoryMeter* meter);
 
     /// Starts a new scene, whose classes are stored in `rules`. `float32`: true if all shapes are float32. `moving`:
-    /// bodies have end positions, too.
+    /// true if the scene has end positions, too.
     void begin(bool float32, BodyFilter& rules, bool moving = false);
 
-    /// Adds body b: all of its triangles, or if `near` is not empty those whose box overlaps one of `near`.
-    /// `everywhere`: see BodyClass. Throws Error that names the body, and the vertex or triangle.
+    /// Adds body b: all of its triangles or, if `near` is not empty, only those whose box at the start overlaps a box
+    /// in `near`. `everywhere`: see BodyClass. Throws Error that names the body, and the vertex or triangle.
     void add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers,
              std::span<const Bounds> near = {});
-    /// Adds the triangles of the given groups of body b's tree, or if `near` is not empty those whose box overlaps one
-    /// of `near`. Pairs within the body are lost, because each group has its own vertices.
+    /// Adds only triangles in the given groups of body b's tree: all of them or, if `near` is not empty, only those
+    /// whose box at the start overlaps a box in `near`. Not for pairs within the body: each group has its own vertices,
+    /// so adjacent triangles of two groups do not share any.
     void add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
              std::span<const std::int32_t> groups, std::span<const Bounds> near);
 
@@ -42,7 +44,8 @@ class WorldScene {
     /// Returns the scene, valid until begin().
     PreparedScene scene(const WorldOutline& outline, bool weld, ParallelFor& workers);
 
-    /// Returns the scene with the features' proxy triangles, in the classes of their bodies. Valid until begin().
+    /// Returns the scene with the proxy triangles of `features` (scene_features.h), in the classes of their bodies.
+    /// Valid until begin().
     PreparedScene with_proxies(const WorldOutline& outline, const SceneFeatures& features, const PreparedScene& scene);
 
     std::int64_t first_of_world(std::size_t w) const { return first_of_world_[w]; }
@@ -54,7 +57,7 @@ class WorldScene {
         return static_cast<std::int64_t>(float32_ ? start_.f.size() : start_.d.size()) / 3;
     }
 
-    /// Returns the body of a vertex, as its index among the added bodies.
+    /// Returns the body of a vertex, as an index among the added bodies (see added_body()).
     std::size_t added_of(std::int32_t vertex) const;
     std::size_t added() const { return added_.size(); }
     std::int32_t added_body(std::size_t i) const { return added_[i].body; }
@@ -95,8 +98,8 @@ class WorldScene {
     SceneBuffers buffers_;
 };
 
-/// Throws Error (not_finite) that names the first vertex of the body that is not finite, or is posed to infinity: at
-/// the start if there is one, else at the end.
+/// Throws Error (not_finite) that names the first vertex of the body that is not finite, or that its pose moves to
+/// infinity. Checks all vertices at the start, then those at the end.
 [[noreturn]] void fail_body_not_finite(const WorldOutline& outline, std::int32_t b);
 
 }  // namespace crumple

@@ -23,8 +23,8 @@ void ClearWorlds::read(const WorldOutline& outline, const BodyFilter& rules, boo
     trees_.begin();
     std::vector<const ShapeTree*> tree(shapes.size());
     for (std::size_t s = 0; s < shapes.size(); ++s) tree[s] = &trees_.named(shapes[s], s);
-    // The boxes have more slack than a few roundings of their bounds need, so only the rounding of `reach` itself is
-    // added.
+    // The boxes have more slack than the rounding of their bounds needs, so this only has to cover the rounding of
+    // `reach`.
     half_ = reach / 2 * (1 + 0x1p-40);
     bodies_.clear();
     for (std::int32_t b = 0; b < outline.bodies(); ++b)
@@ -41,7 +41,7 @@ void ClearWorlds::read(const WorldOutline& outline, const BodyFilter& rules, boo
     known_ = finite;
 }
 
-// Points move straight from start to end, so a box of both positions contains their trajectories.
+// Vertices move straight from start to end, so a box that contains both positions contains their trajectories.
 Bounds ClearWorlds::bounds(const Posed& body, const CentredBox& box) const {
     Bounds all = body.start(box);
     all.widen(body.end(box));
@@ -55,7 +55,7 @@ bool ClearWorlds::may_meet(std::int32_t a, std::int32_t b) const {
     return grouped || rules_->groups(outline_->body(a).group, outline_->body(b).group);
 }
 
-// Walks both trees, the larger node first.
+// Walks both trees at once: of two nodes, splits the larger one.
 void ClearWorlds::mark(std::int32_t a, std::int32_t node_a, std::int32_t b, std::int32_t node_b) {
     const Posed &at_a = bodies_[static_cast<std::size_t>(a)], &at_b = bodies_[static_cast<std::size_t>(b)];
     const ShapeTree::Node &first = at_a.tree->node(node_a), &second = at_b.tree->node(node_b);

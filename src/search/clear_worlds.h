@@ -1,7 +1,8 @@
 #pragma once
 
-// Finds worlds of named bodies in which nothing can be near, at the start or during the whole step, and in other worlds
-// the groups of triangles that may be near. Compares boxes of the shapes' trees only, no features.
+// Finds worlds that are clear: in which no two bodies can come near each other, at the start or during the whole step.
+// For any other world, lists the groups of triangles that may come near those of another body. A group is a leaf of a
+// shape's tree (scene/shape_tree.h), so all shapes must have names. Compares boxes of the trees only, no features.
 
 #include <compare>
 #include <span>
@@ -19,23 +20,24 @@ class ClearWorlds {
    public:
     ClearWorlds(MemoryMeter& meter, ShapeTrees& trees) : trees_(trees), near_(&meter) {}
 
-    /// Group of triangles of a body's tree.
+    /// Group of triangles that may be near another body: a leaf of the tree of a body's shape.
     struct Mark {
         std::int32_t body, group;
         friend auto operator<=>(const Mark&, const Mark&) = default;
     };
 
-    /// Reads a world in which features of two bodies are near if their distance is at most `reach`. `step`: at some
-    /// time between start and end, else at the start. Has no effect unless all shapes have names and consist of
-    /// triangles only.
+    /// Reads a world. Features of two bodies are near if their distance is at most `reach`, at some time of the step if
+    /// `step`, else at the start. This is the same as forget() if some shape has no name, or has edges, points, end
+    /// positions, radii or a rest shape, or if a body's box is not finite.
     void read(const WorldOutline& outline, const BodyFilter& rules, bool step, double reach);
-    /// Forgets the world: clear() then returns false, and marked() is empty.
+    /// Forgets the world: clear() then returns false and marks nothing.
     void forget() { known_ = false; }
 
-    /// True if nothing can be near in world `pass`; worlds() stands for pairs among bodies that are in all worlds. If
-    /// false, marked() has the groups that may be near.
+    /// True if no two bodies can be near in the world with index `pass`; the number of worlds stands for the pairs
+    /// among bodies that are in all worlds. If false, marked() has the groups that may be near, or is empty if all may
+    /// be.
     bool clear(std::int32_t pass);
-    /// Returns the marks of the last clear() by body and group; empty if unknown.
+    /// Returns the marks of the last clear(), sorted by body and group.
     std::span<const Mark> marked() const { return marks_; }
     const ShapeTree& tree(std::int32_t body) const { return *bodies_[static_cast<std::size_t>(body)].tree; }
 
@@ -56,7 +58,7 @@ class ClearWorlds {
     const WorldOutline* outline_ = nullptr;
     const BodyFilter* rules_ = nullptr;
     bool known_ = false;
-    double half_ = 0;  ///< half of `reach`, rounded up
+    double half_ = 0;  ///< half of `reach`, rounded up; all boxes are inflated by it
     std::vector<Posed> bodies_;
     std::vector<Mark> marks_;
     NearBodies near_;

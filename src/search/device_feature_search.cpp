@@ -1,6 +1,6 @@
-// Queries about the features of a mesh in device memory. The host finds edges and owners from the triangles, which it
-// downloads once. In each call the device compares its triangles with those; if they have changed, the host downloads
-// them again. Everything else stays on the device.
+// Queries about the features of a mesh in device memory. The host downloads the triangles once, and finds the edges and
+// the triangles that own features. In each call the device compares its triangles with the downloaded ones; if they
+// differ, the host downloads them again. Everything else stays on the device.
 
 #include <optional>
 #include <type_traits>
@@ -13,13 +13,14 @@ namespace crumple {
 namespace {
 
 bool device_supports_filter(const Shape& shape, const PairFilter& rules) {
-    // The groups of features that no triangle names are known in scenes of bodies only.
+    // Features that no triangle names have a group only in scenes that are made from bodies, and here the scene is a
+    // mesh.
     const bool by_groups = rules.groups != PairScope::both || !rules.excluded_groups.empty();
     return rules.bodies == PairScope::both && rules.excluded_bodies.empty() &&
            !(by_groups && (shape.edges || shape.points));
 }
 
-/// Throws for queries that the device cannot run. find() runs these on a copy on the host, but launches do not.
+/// Throws Error for queries that the device cannot run: Detector::find runs them on the host, but launches cannot.
 template <class Query>
 void require_device_support(const Shape& shape, const Query& query) {
     if (FeatureSearch::supports_on_device(shape, query)) return;
@@ -47,7 +48,7 @@ bool FeatureSearch::supports_on_device(const Shape& shape, const CandidateQuery&
     return !query.weld && device_supports_filter(shape, query.filter);
 }
 
-// Makes the features of the mesh's current contents.
+// Downloads the triangles of the mesh, and makes its features from them.
 void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
     HostShape host;
     backend.device_feature_search().copy_to_host(mesh, Copied::topology, host);
@@ -57,8 +58,9 @@ void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
     features_.prepare(scene, false, backend, checked_lists(shape, ""));
 }
 
-// Runs a search on the device. Prepares the features anew and repeats it until the device confirms that they are
-// current.
+// Runs a search on the device by calling the function that is the last argument. While this function returns nothing,
+// because the mesh no longer has the triangles that the features were made from, makes the features anew and calls it
+// again.
 template <class Query, class Ask>
 auto FeatureSearch::run_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query, Ask ask) {
     rule_.prepare(query.filter);

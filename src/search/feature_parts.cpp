@@ -1,5 +1,5 @@
-// Makes public parts of a scene for queries about features, and searches one part (feature_search.h). The search uses
-// indices within the part; its rows get the ids of the mesh at the end.
+// Cuts a mesh into parts for queries about features, and searches one such part (Detector::partition, crumple/part.h;
+// feature_search.h). The search uses indices within the part; at the end its rows get the ids of the mesh.
 
 #include <algorithm>
 
@@ -60,7 +60,8 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
     PreparedScene scene = prepare_scene(part.mesh.view(), nullptr, false, backend, buffers_);
     if (given.moving) add_motion(end_of(given), backend, buffers_, scene);
     features_.adopt(part);
-    // Uses classes, because a proxy triangle whose feature no face names is in no group if faces have groups.
+    // Filters by classes (BodyClass) instead of groups: if faces have groups, a proxy triangle whose feature no face
+    // names is in no group, and only classes can express this.
     rules_.prepare(rules);
     rules_.classes.clear();
     scene.groups = nullptr;

@@ -18,7 +18,7 @@ bool is_any_output(const Query& query) {
         return query.output == Output::any;
 }
 
-// `world`: world index, or -1 for bodies that are in all worlds.
+// Records whether a world has a hit. `world`: its index, or -1 for pairs among bodies that are in all worlds.
 template <class Result>
 void set_hit(std::int32_t world, bool hit, Result& result) {
     result.any = result.any || hit;
@@ -26,7 +26,7 @@ void set_hit(std::int32_t world, bool hit, Result& result) {
         if (!result.world_hit.empty() && world >= 0) result.world_hit[world] = hit;
 }
 
-// True if the filter selects every pair of the only body, as if there were no bodies.
+// True if the filter selects every pair within a single body.
 bool selects_all(const PairFilter& rules) {
     return rules.bodies != PairScope::between && rules.groups == PairScope::both && rules.excluded_bodies.empty() &&
            rules.excluded_groups.empty();
@@ -69,7 +69,8 @@ void FeatureSearch::release() {
     first_point_.release();
 }
 
-// Searches twice: least distances include pairs that `rings` and `rest` drop from the lists.
+// Searches twice, once for the least distances and once for the lists: least distances include pairs that `rings` and
+// `rest` drop from the lists.
 void FeatureSearch::search_with_least(BackendBase& backend, const World& world, const ProximityQuery& query,
                                       Proximities& result) {
     Shape all = world.shapes[0];
@@ -126,8 +127,8 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
     result.statistics.pairs = result.count;
 }
 
-// Skipped under a memory limit, where trees would take memory from scenes, and for brute force, which serves as the
-// reference.
+// Leaves nothing out under a memory limit, where the trees would take memory from the scenes, and for the reference
+// backend, which has to test everything.
 template <class Query>
 void FeatureSearch::read_clear_worlds(const BackendBase& backend, const Query& query) {
     clear_.forget();
@@ -214,8 +215,9 @@ void FeatureSearch::add_marked(std::int32_t pass, std::span<const ClearWorlds::M
     }
 }
 
-// True if the marked groups can be searched without the other triangles: not if the other triangles affect which
-// features are adjacent, or the groups of vertices and edges.
+// True if the marked groups can be searched without the other triangles of their bodies. This is not so with welding,
+// which depends on the positions of all vertices, nor if shapes have groups: a vertex or an edge then is in the group
+// of the triangle that owns it, which may be one of the others.
 template <class Query>
 bool FeatureSearch::parts_suffice(const Query& query) const {
     const auto& shapes = outline_.world().shapes;
@@ -301,7 +303,7 @@ void FeatureSearch::find_triangle_pairs(BackendBase& backend, const PreparedScen
     }
 }
 
-// Edges and points of each body are contiguous, in the order of the bodies.
+// Sets first_edge_ and first_point_. The edges and points of each body are contiguous, in the order of the bodies.
 void FeatureSearch::place_features() {
     const Array<Edge>& edges = features_.edges();
     first_edge_.resize_discard(scene_.added() + 1);

@@ -1,8 +1,8 @@
 #pragma once
 
-// Searches features of worlds, on any backend: the bodies of each world become one scene, with vertices posed at the
-// start and at the end, and the backend searches it. A single body with the identity pose is searched in the caller's
-// memory ("in place").
+// Searches the features (vertices, edges and faces) of worlds, on any backend: the bodies of each world become one
+// scene, with vertices posed at the start and at the end of the step, and the backend searches it. A single body with
+// the identity pose is searched in the caller's memory ("in place").
 
 #include <array>
 #include <optional>
@@ -29,10 +29,10 @@
 
 namespace crumple {
 
-/// Size and destination of blocks of a result (Detector::stream).
+/// Size and consumer of the blocks of a result (Detector::stream).
 template <class Result>
 struct FeatureBlocks {
-    std::int64_t most;  ///< most rows of a block, of all its lists together
+    std::int64_t most;  ///< maximum number of rows of a block, over all of its lists
     FunctionRef<void(const Result& block)> take;
 };
 
@@ -40,7 +40,8 @@ class FeatureSearch {
    public:
     FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& trees);
 
-    /// `bodies`: true if the result names bodies, else there is only one. `low_memory`: see FeatureRequest.
+    /// `bodies`: true if the rows of the result name bodies; else the world has a single body. `low_memory`: see
+    /// FeatureRequest.
     template <class Query>
     void find(BackendBase& backend, const World& world, const Query& query, bool bodies, bool low_memory,
               typename Query::Result& result) {
@@ -49,8 +50,8 @@ class FeatureSearch {
         search(backend, world, query, result);
     }
 
-    /// Delivers the result in blocks, each with all edges and points. Blocks are made in `result`, which has the number
-    /// of rows and the statistics at the end.
+    /// Delivers the result in blocks. Each has some of the rows, and the edges and points of all bodies. Blocks are
+    /// made in `result`, which at the end has the total number of rows and the statistics.
     template <class Query>
     void stream(BackendBase& backend, const World& world, const Query& query, bool bodies, bool low_memory,
                 const FeatureBlocks<typename Query::Result>& blocks, typename Query::Result& result);
@@ -66,7 +67,8 @@ class FeatureSearch {
 
     // Queries about a mesh in device memory (device_feature_search.cpp):
 
-    /// True if the device can run the whole query; else the mesh is downloaded first.
+    /// True if the device can run the whole query. Else Detector::find downloads the mesh and runs it on the host, and
+    /// launch() throws Error.
     static bool supports_on_device(const Shape& shape, const ImpactQuery& query);
     static bool supports_on_device(const Shape& shape, const ProximityQuery& query);
     static bool supports_on_device(const Shape& shape, const CandidateQuery& query);
@@ -100,7 +102,8 @@ class FeatureSearch {
     void search_world(BackendBase& backend, std::int32_t pass, const Query& query,
                       std::span<const ClearWorlds::Mark> marked, typename Query::Result& result);
 
-    /// Finds the worlds that are clear, for queries whose result has no features.
+    /// Lets clear_ find the worlds that need no search, for queries that only request flags (Extent::any); else makes
+    /// it forget the world.
     template <class Query>
     void read_clear_worlds(const BackendBase& backend, const Query& query);
 
@@ -120,23 +123,25 @@ class FeatureSearch {
     void read(const World& world, const PairFilter& rules);
     /// True if there is a single body that can be searched in the caller's memory.
     bool in_place(const PairFilter& rules) const;
-    /// Makes a scene of that body, with its features and filter. `step`: with end positions, else at the start only.
+    /// Makes a scene of the only body in the caller's memory, and prepares features_ and rule_. `step`: true if the
+    /// scene has end positions, too.
     PreparedScene prepare_in_place(BackendBase& backend, bool step, bool weld);
-    /// Makes such a scene of the bodies of world `pass` (worlds(): those in all worlds); returns nothing if
-    /// own_bodies(pass) is 0. `marked`: only these groups of triangles, unless empty.
+    /// Makes a scene of posed copies of the bodies of world `pass` and the bodies that are in all worlds (if `pass` is
+    /// the number of worlds: only the latter), and prepares features_ and rule_. Returns nothing if own_bodies(pass) is
+    /// 0. `marked`: unless empty, uses only these groups of triangles.
     std::optional<PreparedScene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld,
                                               std::span<const ClearWorlds::Mark> marked = {});
     void add_marked(std::int32_t pass, std::span<const ClearWorlds::Mark> marked);
-    /// Returns the number of bodies of world `pass`, without those in all worlds; for worlds() the number of the
-    /// latter.
+    /// Returns the number of bodies of world `pass`, without those in all worlds; if `pass` is the number of worlds,
+    /// the number of bodies that are in all worlds.
     std::int32_t own_bodies(std::int32_t pass) const;
-    /// Swaps found rows with those of the result, so that searches reuse the result's memory.
+    /// Swaps the rows in found_ with those of the result, so that searches reuse the result's memory.
     template <class Query>
     void swap_found(typename Query::Result& result) {
         for (std::size_t k = 0; k < result.lists.size(); ++k)
             swap_rows(result.lists[k], found_.rows[static_cast<KindOf<Query>>(k)]);
     }
-    /// Finds the rows of a prepared scene.
+    /// Finds the rows of a prepared scene, in found_.
     template <class Query>
     void find_rows(BackendBase& backend, const PreparedScene& scene, const Query& query);
     void find_triangle_pairs(BackendBase& backend, const PreparedScene& scene, const ImpactQuery& query);
@@ -146,12 +151,13 @@ class FeatureSearch {
     /// Appends the codimensional points of a body.
     template <class Result>
     void append_codimensional_points(std::int32_t body, Result& result);
-    /// `in_place`: true if the scene's indices are those of the only body.
+    /// Appends rows to a list of the result. `in_place`: true if the indices of the scene are those of the only body;
+    /// else converts them to bodies and indices within bodies.
     template <class List>
     void append_rows(FeatureTypes types, const FeatureRows& rows, bool in_place, List& list) const;
     void add_first(std::int32_t pass, Impacts& result) const;
 
-    /// Index of an element of the scene within its body.
+    /// Body of an element of the scene, and the element's index within that body.
     struct Place {
         std::int32_t body, index;
     };
@@ -173,7 +179,7 @@ class FeatureSearch {
     WorldScene scene_;
     JoinedLists lists_;
     SceneBuffers buffers_;
-    Array<std::int32_t> class_of_;  ///< class of each triangle of a part
+    Array<std::int32_t> class_of_;  ///< of the current part: the class of each triangle
     SceneFeatures features_;
     NearInput near_input_;
     FeatureResult found_;
@@ -181,7 +187,8 @@ class FeatureSearch {
     // Per body that was added to the scene, and the end:
     Array<std::int64_t> first_edge_, first_point_;
 
-    /// Inputs of the last launches, by number, for queries that have to be run again.
+    /// Inputs of the last launches, by number modulo most_in_flight. wait() runs a launch again if its features were
+    /// out of date.
     struct Launched {
         DeviceShape mesh;
         std::variant<ImpactQuery, ProximityQuery, CandidateQuery> query;

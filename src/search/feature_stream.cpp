@@ -1,5 +1,5 @@
-// Delivers results about features of worlds in blocks: places the backend's rows in their bodies, and collects them
-// until a block is full, across worlds.
+// Delivers results about features of worlds in blocks: converts the backend's rows to bodies and indices within bodies,
+// and collects them until a block is full. A block may have rows of several worlds.
 
 #include <algorithm>
 #include <memory>
@@ -19,7 +19,7 @@ namespace {
 template <class Answer>
 using Lists = decltype(Answer::lists);
 
-/// Columns of a list, without offsets.
+/// Returns references to the columns of a list, without its offsets.
 auto rows_of(ImpactList& l) { return std::tie(l.pairs, l.bodies, l.toi, l.start); }
 auto rows_of(ProximityList& l) { return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at); }
 auto rows_of(CandidateList& l) { return std::tie(l.pairs, l.bodies); }
@@ -38,7 +38,8 @@ void append(Array<Element>& to, const Array<Element>& from, std::size_t begin, s
     for (std::size_t i = begin; i < end; ++i) to.push_back(from[i]);
 }
 
-// `begin` and `end` count rows over all lists, one after another.
+// Appends rows [begin, end) of `piece` to `to`, kind by kind. Rows are counted over all lists of `piece`, one after
+// another.
 template <class Rows>
 void append_rows(Rows& to, Rows& piece, std::size_t begin, std::size_t end) {
     std::size_t first = 0;
@@ -84,7 +85,7 @@ OrderedBlocks<Lists<Answer>> blocks_of(const FeatureBlocks<Answer>& blocks, Memo
                  }}};
 }
 
-/// Converts the rows of a scene to pieces of blocks by write(rows, lists).
+/// Converts the rows that a backend delivers to pieces of blocks (results/ordered_blocks.h) by write(rows, lists).
 template <class Block, class Write>
 class FeaturePieces final : public FeatureStream {
    public:
@@ -143,7 +144,7 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Query
     result.statistics.pairs = result.count;
 }
 
-// Each block has the edges and points of all worlds, so they are needed before the first block.
+// Lists the edges and points of all worlds. Each block has them, so they are needed before the first block.
 template <class Result>
 void FeatureSearch::list_features(BackendBase& backend, bool step, bool weld, Result& result) {
     for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {

@@ -9,13 +9,13 @@
 namespace crumple {
 namespace {
 
-// Vertex indices start at `first`, so that the two bodies share none.
+// Returns triangle k of a posed group. Its vertex indices start at `first`, so that triangles of two bodies share none.
 Triangle triangle_of(const PosedGroup& posed, int k, std::int32_t first) {
     const auto& c = posed.group->corner[static_cast<std::size_t>(k)];
     return {{posed.vertex(c[0]), posed.vertex(c[1]), posed.vertex(c[2])}, {first + c[0], first + c[1], first + c[2]}};
 }
 
-// Merges equal positions to one vertex: the lowest.
+// Gives corners at equal positions the same vertex index: that of the first of them.
 void weld(Triangle& a, Triangle& b) {
     std::array<std::pair<Vec3d*, std::int32_t*>, 6> corner;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -55,7 +55,7 @@ Bounds PosedGroup::box(int k) const {
 }
 
 std::span<const PosedGroup::Boxed> PosedGroup::boxes_within(const Bounds& other, Buffers& room) const {
-    // For each vertex one bit per side of `other` that it lies beyond.
+    // For each vertex six bits, one for each side of `other`: 1 if the vertex lies beyond that side.
     std::int64_t beyond[3 * ShapeTree::most_triangles];
     for (std::int32_t v = 0; v < 4 * group->blocks; v += 2) {
         TwoMasks sides{};
@@ -86,7 +86,7 @@ bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& query, co
         if (of_b.index != group_b) of_b.pose(tree_b, place_b, group_b);
         if (!overlap(of_a.all, of_b.all)) return true;
         PosedGroup::Buffers buffer_a, buffer_b;
-        // Larger group first: a smaller fraction of its triangles is near the other.
+        // Starts with the larger group, because a smaller fraction of its triangles is near the other group.
         const bool a_first = largest(of_a.all.high - of_a.all.low) > largest(of_b.all.high - of_b.all.low);
         const auto near_one = a_first ? of_a.boxes_within(of_b.all, buffer_a) : of_b.boxes_within(of_a.all, buffer_b);
         if (near_one.empty()) return true;

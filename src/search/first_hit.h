@@ -1,7 +1,8 @@
 #pragma once
 
-// Decides if two bodies whose shapes have trees meet at all: walks both trees, decides overlapping groups triangle by
-// triangle, and ends at the first pair that collides. Builds and sorts no lists.
+// Decides if two bodies meet at all, if the shapes of both have trees (scene/shape_tree.h): walks both trees, decides
+// overlapping groups triangle by triangle, and ends at the first pair of triangles that collides. Builds and sorts no
+// lists.
 
 #include <array>
 #include <cstdint>
@@ -14,7 +15,7 @@
 
 namespace crumple {
 
-/// Posed group of a tree: its vertices and their box.
+/// Group of triangles of a tree under a body's pose: its vertices and their box.
 class PosedGroup {
    public:
     struct Boxed {
@@ -25,7 +26,7 @@ class PosedGroup {
 
     void pose(const ShapeTree& tree, const Placement& place, std::int32_t group);
     Bounds box(int triangle) const;
-    /// Lists the triangles whose boxes overlap `other`.
+    /// Returns the triangles of the group whose boxes overlap `other`, stored in `room`.
     std::span<const Boxed> boxes_within(const Bounds& other, Buffers& room) const;
 
     std::int32_t index = -1;  ///< index of the group, -1: none yet
@@ -36,7 +37,9 @@ class PosedGroup {
     Vec3d vertex(std::size_t v) const { return {coordinate[0][v], coordinate[1][v], coordinate[2][v]}; }
 };
 
-/// Thread-safe: accesses its arguments only. Adds the number of triangle pairs with overlapping boxes to `decided`.
+/// True if bodies a and b have a pair of triangles that collides and that the filter of groups selects. The caller must
+/// have checked the filter of bodies. Adds the number of pairs that it has decided to `decided`: pairs that the filter
+/// selects and whose boxes overlap. Thread-safe: accesses its arguments only.
 bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& query, const BodyFilter& rules, std::int32_t a,
                  const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, std::int64_t& decided);
 

@@ -14,7 +14,7 @@
 namespace crumple {
 namespace {
 
-// Pairs of bodies per task: some microseconds each.
+// Pairs of bodies per task. A pair takes some microseconds.
 constexpr std::size_t body_pairs_of_task = 8;
 
 bool within(const Bounds& box, double most) {
@@ -33,7 +33,7 @@ bool beyond(const Bounds& a, const Bounds& b, double radius) {
     return squared * (1 - 0x1p-48) > radius * radius + 0x1p-1000;
 }
 
-// Returns an upper bound on all distances whose rounded square does not exceed that of `distance`.
+// Returns an upper bound on all distances whose rounded squares are at most that of `distance`.
 double with_equals(double distance) { return distance * (1 + 0x1p-50) + 0x1p-500; }
 
 }  // namespace
@@ -115,8 +115,8 @@ bool NearestSearch::walk_row(NearestWalk& walk, std::size_t row, double radius, 
     return is_near;
 }
 
-// Keeps the nearest of some rows, the first of several with the same squared distance. First bounds all distances from
-// above, then walks those with the least bounds first, so that the others end early.
+// Keeps the nearest of rows [begin, end), and of several with the same squared distance the first. Bounds all distances
+// from above, then runs the walks in the order of these bounds, so that most later walks end early.
 void NearestSearch::keep_nearest(NearestWalk& walk, std::size_t begin, std::size_t end, Distances& answer) {
     struct BoundedRow {
         double bound;
@@ -153,7 +153,7 @@ void NearestSearch::keep_nearest(NearestWalk& walk, std::size_t begin, std::size
     if (nearest) kept_[*nearest] = 1;
 }
 
-// Numbers the rows that are kept, at most one per world.
+// Sets `world_rows`: for each world the index of its only row in the result, or -1 if it has none.
 void NearestSearch::number_rows(Distances& answer) const {
     std::int64_t rows = 0;
     for (std::int32_t w = 0; w < outline_.worlds(); ++w) {
@@ -202,8 +202,8 @@ void NearestSearch::read_shapes() {
     }
 }
 
-// Computes boxes, and throws Error if a vertex is posed to infinity: only bodies whose boxes extend that far are
-// checked vertex by vertex.
+// Computes the boxes of the bodies, and throws Error if a vertex is posed to infinity. Checks vertices one by one only
+// if a body has no triangles, or if its box extends beyond the range of its coordinate type.
 void NearestSearch::read_bodies() {
     box_.resize_discard(static_cast<std::size_t>(outline_.bodies()));
     for (std::int32_t b = 0; b < outline_.bodies(); ++b) {

@@ -1,8 +1,9 @@
 #pragma once
 
-// Finds the distances of bodies, on any backend that runs on the host: builds trees of all shapes (cached for named
-// ones), lists the pairs of bodies that the filter selects and that may be near enough, and runs one walk per pair
-// (search/nearest_walk.h), on all threads.
+// Finds the distances of bodies, on any backend that runs on the host: builds the trees of all shapes (or takes cached
+// ones of named shapes), lists the pairs of bodies that the filter selects and that may be near enough, and runs one
+// walk for each pair (search/nearest_walk.h), on all threads. Each pair of bodies has a row of the result; rows that
+// turn out not to belong to the result are dropped at the end.
 
 #include <memory>
 #include <mutex>
@@ -24,7 +25,8 @@ class NearestSearch {
     NearestSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
     ~NearestSearch();
 
-    /// `low_memory`: searches one pair after the other, so that the memory does not depend on threads.
+    /// `low_memory`: true to search one pair after the other, so that the memory needed does not depend on the number
+    /// of threads.
     void find(ParallelFor& workers, const World& world, const DistanceQuery& query, bool low_memory, Distances& answer);
 
     /// Frees all memory, except for named shapes.
@@ -53,11 +55,11 @@ class NearestSearch {
     BodyFilter rules_;
     std::vector<const ShapeTree*> trees_;              ///< by shape
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
-    Array<Bounds> box_;                                ///< per body; contains all posed vertices
-    Array<std::size_t> first_row_;  ///< world w has the rows [first_row_[w], first_row_[w + 1]) before any is dropped
+    Array<Bounds> box_;                                ///< by body; contains all of its posed vertices
+    Array<std::size_t> first_row_;  ///< by world: its first row, before any is dropped; then the end
     std::mutex mutex_;
     std::vector<std::unique_ptr<NearestWalk>> idle_;  ///< guarded by the mutex
-    Array<std::uint8_t> kept_;                        ///< per row: 1 if its bodies are near enough
+    Array<std::uint8_t> kept_;                        ///< by row: 1 if it belongs to the result
 };
 
 }  // namespace crumple

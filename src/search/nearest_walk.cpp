@@ -33,7 +33,8 @@ TrianglePoints PosedLeaf::triangle(std::size_t k) const {
 
 bool NearestWalk::operator()(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
                              double radius, NearestRow& row) {
-    // First descends once in each tree to get an upper bound, then visits everything that is not farther.
+    // First descends once in both trees to get an upper bound, then visits all nodes that are not farther apart than
+    // this bound.
     if (!begin(a, tree_a, b, tree_b, radius)) return false;
     if (found_ && !touching_) aim(direction_);
     candidates_.clear();
@@ -60,7 +61,8 @@ std::optional<double> NearestWalk::upper_bound(std::int32_t a, const ShapeTree& 
     return found_ ? upper_ : std::numeric_limits<double>::infinity();
 }
 
-/// Descends once in each tree. Returns false if the bodies are certainly farther apart than `radius`.
+/// Begins a walk, and descends once in both trees. Returns false if the bodies are certainly farther apart than
+/// `radius`.
 bool NearestWalk::begin(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
                         double radius) {
     if (tree_a.empty() || tree_b.empty()) return false;
@@ -85,7 +87,8 @@ void NearestWalk::begin(Side& side, std::int32_t body, const ShapeTree& tree) {
     side.unit = static_cast<float>(tree.frame().unit);
 }
 
-// New directions invalidate all cached intervals.
+// Sets the directions along which intervals are compared; `known` is one of them (box_distance.h). Empties the caches,
+// because new directions invalidate all cached intervals.
 void NearestWalk::aim(const Vec3d& known) {
     boxes_.emplace(a_.place, a_.tree->frame(), b_.place, b_.tree->frame(), known);
     a_.boxes = &boxes_->a();
@@ -120,7 +123,7 @@ NearestWalk::Side::Side(MemoryMeter* meter) : leaves(meter) { leaves.resize(cach
 
 void NearestWalk::Side::forget() { group.fill(-1); }
 
-// Visits two nodes that may be as close as the closest pair so far. The closer children come first.
+// Visits two nodes that may be as close as the closest pair so far. Of the two children, the closer one comes first.
 void NearestWalk::walk(const At& a, const At& b) {
     if (touching_ && comes_later(a, b)) return;
     if (is_leaf(a_, a) && is_leaf(b_, b)) return visit(a_.tree->node(a.node).group, b_.tree->node(b.node).group);
@@ -138,7 +141,7 @@ void NearestWalk::walk(const At& a, const At& b) {
     }
 }
 
-// True if all pairs of triangles below come after the touching pair in the order of the result.
+// True if all pairs of triangles below these nodes come after the touching pair in the order of the result.
 bool NearestWalk::comes_later(const At& a, const At& b) const {
     const Pair first{a_.tree->first_triangle(a.node), b_.tree->first_triangle(b.node)};
     return first > closest_.triangles;

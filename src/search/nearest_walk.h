@@ -1,7 +1,8 @@
 #pragma once
 
-// Finds the distance of two bodies: walks both trees, prunes what is farther apart than the closest pair so far, and
-// collects the pairs of triangles that may be the closest ones; these are decided exactly at the end.
+// Finds the distance of two bodies. Walks the trees of their shapes, prunes nodes and triangles that are farther apart
+// than the closest pair so far, and collects the pairs of triangles that may be the closest ones; these are decided
+// exactly at the end.
 
 #include <array>
 #include <cstdint>
@@ -17,7 +18,8 @@
 
 namespace crumple {
 
-/// Posed group of a tree: its vertices, and the intervals of the group and of its triangles.
+/// Group of triangles of a tree under a body's pose: its vertices, and the intervals of the group and of each triangle
+/// along the directions of BoxDistance.
 struct PosedLeaf {
     const ShapeTree::Group* group = nullptr;
     BoxDistance::Reach all;
@@ -34,7 +36,7 @@ struct NearestCounts {
     std::int64_t rational = 0;  ///< decisions in rational arithmetic
 };
 
-/// Runs one walk after another, in one thread; reuses its memory.
+/// Runs one walk after another and reuses its memory. Used by one thread at a time.
 class NearestWalk {
    public:
     NearestWalk(const WorldOutline& outline, const BodyFilter& rules, Cancellation& cancellation, MemoryMeter* meter)
@@ -45,9 +47,10 @@ class NearestWalk {
     bool operator()(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, double radius,
                     NearestRow& row);
 
-    /// Bounds the distance of the bodies by a single descent in both trees. Returns nothing if they are certainly
-    /// farther apart than `radius`; else a number that no distance up to `radius` exceeds, or infinity if the descent
-    /// meets no pair of triangles that the filter selects.
+    /// Bounds the distance of the bodies from above, by a single descent in both trees. Returns nothing if they are
+    /// certainly farther apart than `radius`. Else returns an upper bound on the distance, which is valid if the
+    /// distance is at most `radius`. The bound is infinite if the descent finds no pair of triangles that the filter
+    /// selects.
     std::optional<double> upper_bound(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
                                       double radius);
 
@@ -55,7 +58,8 @@ class NearestWalk {
     void clear_counts() { counts_ = {}; }
 
    private:
-    /// Cached posed groups per body: walks visit the same groups repeatedly. This many fit in a core's cache.
+    /// Number of posed groups that are cached for each body, because walks visit the same groups repeatedly. This many
+    /// fit in a core's cache.
     static constexpr std::size_t cached_leaves = 64;
 
     struct At {
@@ -111,7 +115,7 @@ class NearestWalk {
     bool found_ = false, touching_ = false;
     NearestCandidate closest_{};          ///< pair that gave `upper_`, or the touching pair
     Vec3d direction_;                     ///< direction between the closest points of that pair, 0 if there is none
-    Array<NearestCandidate> candidates_;  ///< all pairs that may be closest
+    Array<NearestCandidate> candidates_;  ///< all pairs of triangles that may be the closest
     /// Candidates that have become too far are dropped when there are more than this many.
     std::size_t few_ = 0;
 };

@@ -73,7 +73,7 @@ void add_exactly(const FaceCorners& a, const FaceCorners& b, RootSum& sum) {
     add_common_area(IntegerProjection{axis}, p, in_units(b), area);
 }
 
-/// Adds up the areas of pairs in parallel chunks: add(a, b, sum).
+/// Adds up the common areas of pairs of faces, in parallel chunks. add(a, b, sum) adds the area of one pair.
 template <class Sum, class Add>
 Sum sum_of(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& workers, Cancellation& cancellation,
            Add add) {

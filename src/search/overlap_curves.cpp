@@ -1,4 +1,5 @@
-// Joins segments to the curves in which two surfaces cross, and rounds their points, each coordinate once.
+// Joins the segments in which faces cross to curves (results/joined_curves.h), and computes their points; each
+// coordinate is correctly rounded.
 
 #include <algorithm>
 #include <limits>

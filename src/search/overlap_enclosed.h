@@ -25,7 +25,8 @@ inline Enclosed enclosed(const Rational& x) {
 /// Returns the parameter in [0, 1] at which an edge crosses the plane of a face, for coordinates in the range of
 /// double-double arithmetic.
 inline Enclosed enclosed_share(const CrossingEdge& edge) {
-    // Parameters with larger bounds are too uncertain to be useful in sums; smaller parameters might underflow.
+    // A parameter with a larger error is too uncertain to be useful in sums, and a smaller parameter might underflow;
+    // both are computed exactly instead.
     constexpr double largest_error = 0x1p-80, least_share = 0x1p-250;
     const FaceCorners& q = edge.face;
     const Vec3<Enclosed> normal = cross(enclosed_difference(q[1], q[0]), enclosed_difference(q[2], q[0]));
@@ -36,7 +37,7 @@ inline Enclosed enclosed_share(const CrossingEdge& edge) {
     return enclosed(edge_parameter(edge.from, edge.to, q));
 }
 
-/// Terms in double-double arithmetic, for bodies in its range.
+/// Adds terms in double-double arithmetic, for bodies whose coordinates are in its range.
 class EnclosedTerms {
    public:
     explicit EnclosedTerms(const OverlapScene& scene) : scene_(scene) {}

@@ -8,7 +8,7 @@ struct ExactPoint {
     Integer w = 1;  ///< positive
 };
 
-/// Integer coordinates relative to the origin, in units of 2^exponent.
+/// Converts points to integer coordinates relative to the origin, in units of 2^exponent.
 struct Unit {
     Vec3d origin;
     int exponent;
@@ -23,13 +23,13 @@ struct Unit {
         if (all < 0) distance = -distance, all = -all;
         return {all * from.x + distance * (to - from.x), all};
     }
-    /// Adds numerators / denominator, in units to the given power.
+    /// Adds numerators / denominator, in units of 2^(power * exponent).
     void add(const Vec3<Integer>& numerators, const Integer& denominator, int power,
              std::array<RationalSum, 3>& sums) const {
         for (int axis = 0; axis < 3; ++axis)
             sums[static_cast<std::size_t>(axis)].add(numerators[axis], denominator, power * exponent);
     }
-    /// Adds the determinant of three points, and the determinant times their sum.
+    /// Adds `times` times the determinant of three points, and this number times the sum of the points, to the totals.
     void add_cone(const ExactPoint& p, const ExactPoint& q, const ExactPoint& r, int times,
                   VolumeTotals<RationalSum>& totals) const {
         const Integer cone = times * dot(p.x, cross(q.x, r.x)), w = p.w * q.w * r.w;
@@ -76,7 +76,7 @@ void ExactTerms::add(const Segment& segment, CurveTotals<RationalSum>& totals) c
     const auto [e, w] = unit.at(CrossingEdge(scene_, segment, segment.end));
     const Integer both = v * w, times = segment.times;
     unit.add(times * cross(s, e), both, 2, totals.area);
-    // (e/w − s/v) ((s/v)² + (s/v) (e/w) + (e/w)²)
+    // The term of the torque: (e/w − s/v) ((s/v)² + (s/v) (e/w) + (e/w)²)
     const Integer square = dot(s, s) * w * w + dot(s, e) * both + dot(e, e) * v * v;
     unit.add(Integer(times * square) * (v * e - w * s), both * both * both, 3, totals.torque);
 }

@@ -1,5 +1,7 @@
-// Derivatives of the volume of an overlap by the vertices of the bodies: each face contributes to each of its corners
-// its normal times the corner's weight (docs/overlap.md).
+// Derivatives of the volume of an overlap with respect to the vertices of the bodies. The contribution of a face to the
+// derivative at a corner is the face's normal times the corner's weight (exact/overlap/crossing.h, docs/overlap.md).
+// Crossings are decided for two shifts of the second body, forward and backward (exact/overlap/face_crossing.h), and
+// the mean of both is the result.
 
 #include <algorithm>
 #include <map>
@@ -31,7 +33,7 @@ FaceWeights<Enclosed> enclosed(const FaceWeights<Rational>& w) {
     return {crumple::enclosed(w[0]), crumple::enclosed(w[1]), crumple::enclosed(w[2])};
 }
 
-/// Crossings of two faces under both shifts, with certain weights.
+/// Crossings of two faces under both shifts, with weights that are exact or have an error bound.
 template <class Number>
 struct BothCrossings;
 template <>
@@ -64,8 +66,8 @@ struct BothCrossings<Enclosed> {
 
 }  // namespace
 
-// Adds up the weights of both shifts (and for a body with itself of both copies) for the faces that the predicate
-// selects.
+// Returns the weights of the faces of body `side` that the predicate selects: the sum over both shifts and, for a body
+// with itself, over both copies of the body.
 template <class Number, class Wanted>
 WeightedFaces<Number> OverlapOfBodies::weigh(std::size_t side, Wanted wanted) const {
     std::array<std::array<WeightedFaces<Number>, 2>, 2> weights;  // by shift and copy
@@ -141,7 +143,7 @@ std::vector<VertexVector> OverlapOfBodies::gradient(std::size_t side) {
     return found;
 }
 
-// Returns the derivatives by the given vertices, which are sorted.
+// Returns the derivatives with respect to the given vertices, which are sorted.
 std::vector<VertexVector> OverlapOfBodies::rational_gradient(std::size_t side,
                                                              const std::vector<std::int32_t>& vertices) {
     was_exact_ = true;

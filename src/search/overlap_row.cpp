@@ -12,7 +12,7 @@
 namespace crumple {
 namespace {
 
-/// Winding steps and segments of a chunk of triangle pairs.
+/// Result for a chunk of triangle pairs: winding steps, segments and coplanar pairs.
 struct CrossedPairs {
     std::array<std::array<WindingSteps, 2>, 2> steps;  ///< by shift and side
     std::vector<Segment> segments, links;
@@ -144,7 +144,7 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
         cross_and_count(0);
     else
         workers_.parallel_for(parts.size(), cross_and_count);
-    memory_.add(memory_of_parts.bytes());  // for the joined copies
+    memory_.add(memory_of_parts.bytes());  // for the joined copies made below
     std::size_t count = 0;
     for (const CrossedPairs& part : parts) count += part.segments.size();
     sums_.segments.reserve(count);
@@ -187,7 +187,7 @@ void OverlapOfBodies::count_faces() {
                 if (end.side == side && end.edge == 0) faces.push_back({side == 0 ? segment.a : segment.b, end.jump});
         }
     }
-    // For a body with itself, subtract the winding number of the whole surface.
+    // For a body with itself, whose overlap is ½ ∫ (w² − w) dx, subtracts the term of w: each face once.
     for (std::int32_t face = 0; self_ != 0 && face < topology(0).face_count(); ++face)
         sums_.faces[0].push_back({face, -self_});
     for (const auto& faces : sums_.faces) memory_.add(bytes_of(faces));
@@ -200,8 +200,8 @@ OverlapSums OverlapOfBodies::sums_of_scene() const {
     return sums;
 }
 
-// True if all of a body lies where the winding number of the other is 1 or -1, and nothing of the other lies in it.
-// Then the overlap has the volume of the body.
+// True if all of body `side` lies where the winding number of the other body is 1 or -1, and nothing of the other body
+// lies in it. Then the overlap has the volume of body `side`.
 bool OverlapOfBodies::is_inside(std::size_t side) const {
     const auto& intervals = steps(side).intervals();
     const auto is_forward = [](const Segment& segment) { return segment.in_volume; };
@@ -221,7 +221,8 @@ bool OverlapOfBodies::has_volume_of(std::size_t side, const Scaled& volume) {
         if (own.low > 0) least_sign = 1;
         if (own.high < 0) greatest_sign = -1;
     }
-    // Computes the difference to the body's volume, or to its negative, in one sum: most faces cancel.
+    // Computes the difference between the overlap's volume and the body's volume, or its negative, as one sum, in which
+    // most faces cancel.
     std::vector<std::int32_t> times(static_cast<std::size_t>(topology(side).face_count()));
     for (int sign = least_sign; sign <= greatest_sign; sign += 2) {
         OverlapSums difference = sums_of_scene();
@@ -248,7 +249,7 @@ OverlapRelation OverlapOfBodies::relate(const OverlapNumbers& numbers) {
     return second ? OverlapRelation::second_inside : OverlapRelation::overlapping;
 }
 
-// Returns the integral of the winding number of a body (with itself), correctly rounded.
+// Returns the volume of a body, for its overlap with itself: the integral of its winding number, correctly rounded.
 double OverlapOfBodies::volume_of_body() {
     OverlapSums sums = sums_of_scene();
     for (std::int32_t face = 0; face < topology(0).face_count(); ++face) sums.faces[0].push_back({face, 1});

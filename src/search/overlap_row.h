@@ -1,10 +1,12 @@
 #pragma once
 
 // Overlap of two bodies: sums over the pairs of their triangles that intersect, and over the triangles of each body
-// that lie inside the other (docs/overlap.md).
+// that lie inside the other (docs/overlap.md). To make surfaces that touch cross as well, the second surface is shifted
+// infinitesimally, forward or backward (exact/overlap/face_crossing.h). Components and places of vertices are those of
+// scene/closed_surface.h.
 //
-//   pairs --signs--> segments in which faces cross, and steps of winding numbers along edges
-//   components --one ray each--> winding numbers of their first vertices
+//   pairs of triangles --signs--> segments in which faces cross, and steps of winding numbers along edges
+//   components --one ray each--> winding numbers at their first vertices
 //   steps --sorted--> intervals of places with constant winding number --> how often each face counts
 //   segments, faces --overlap_sums.h--> numbers, each rounded once
 //   segments --results/joined_curves.h--> curves
@@ -33,7 +35,7 @@ class OverlapOfBodies {
         int orientation = 1;  ///< for a body with itself: −1 if its faces are to be reversed
     };
 
-    /// `kernels`: of the backend; may be null.
+    /// `kernels`: the backend's kernels for sums, or null if it has none.
     OverlapOfBodies(ParallelFor& workers, const OverlapKernels* kernels, MemoryMeter& meter, Cancellation& cancellation)
         : workers_(workers),
           kernels_(kernels),
@@ -47,8 +49,8 @@ class OverlapOfBodies {
     OverlapRow find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, const Vec3d& origin,
                     const Request& request);
 
-    /// Returns the row of surfaces of which at least one is not closed: no numbers but the contact area, and curves if
-    /// requested.
+    /// Returns the result for surfaces of which at least one is not closed: of the numbers only the contact area, and
+    /// curves if requested.
     OverlapRow find_open(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
                          const Vec3d& origin, const Request& request);
 
@@ -61,11 +63,12 @@ class OverlapOfBodies {
     bool was_exact() const { return was_exact_ || sums_.was_exact(); }
 
    private:
-    /// Steps on each surface of the winding number of the other one, under one shift.
+    /// For each surface the steps of the other one's winding number along it, under one shift.
     using ShiftedSteps = std::array<WindingSteps, 2>;
 
     OverlapRow find(const Request& request);
-    /// Decides how pairs cross. With `gradient` stores steps of both shifts, else of the forward shift.
+    /// Decides how the pairs of triangles cross. Stores the steps of both shifts if `gradient`, else only those of the
+    /// forward shift.
     void cross_pairs(bool gradient);
     /// Makes the intervals in which winding numbers are constant.
     void find_windings(bool gradient);
@@ -79,7 +82,7 @@ class OverlapOfBodies {
     OverlapRelation relate(const OverlapNumbers& numbers);
     bool has_volume_of(std::size_t side, const Scaled& volume);
     double volume_of_body();
-    /// Returns empty sums about the same bodies, for volumes.
+    /// Returns empty sums over the same bodies, for a volume only.
     OverlapSums sums_of_scene() const;
     std::vector<VertexWinding> windings(std::size_t side) const;
 
@@ -89,7 +92,9 @@ class OverlapOfBodies {
     // Gradient (overlap_gradient.cpp):
     template <class Number, class Wanted>
     WeightedFaces<Number> weigh(std::size_t side, Wanted wanted) const;
-    /// Divisor of the sums of a gradient.
+    /// Divisor of the sums of a gradient. 12 = 2 · 3 · 2: the length of a face's normal is twice its area, weights are
+    /// three times a mean over the face, and the terms of both shifts are added. 24 for a body with itself, whose
+    /// overlap has a factor ½.
     int divisor() const { return self_ ? 24 : 12; }
     std::vector<VertexVector> gradient(std::size_t side);
     std::vector<VertexVector> rational_gradient(std::size_t side, const std::vector<std::int32_t>& vertices);
@@ -101,10 +106,10 @@ class OverlapOfBodies {
     MemoryClaim memory_;  ///< bytes of steps, segments and faces
     bool was_exact_ = false;
     std::span<const Pair> pairs_;
-    std::vector<Segment> links_;         ///< segments without length, for curves: see results/joined_curves.h
+    std::vector<Segment> links_;         ///< segments without length; they connect curves (joined_curves.h)
     std::vector<Pair> coplanar_;         ///< coplanar pairs; for a body with itself in one order
-    int self_ = 0;                       ///< orientation for a body with itself, else 0
-    std::array<ShiftedSteps, 2> steps_;  ///< forward; for gradients also backward
+    int self_ = 0;                       ///< for a body with itself: its orientation; else 0
+    std::array<ShiftedSteps, 2> steps_;  ///< by shift: forward, and for gradients also backward
     OverlapSums sums_;
 };
 

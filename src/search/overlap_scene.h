@@ -1,6 +1,7 @@
 #pragma once
 
-// Input of the sums over an overlap: two bodies, counted faces, segments in which faces cross. Host only.
+// Input of the sums over an overlap: two bodies, faces with the number of times that they count, and the ends of the
+// segments in which faces cross. Host only.
 
 #include <array>
 
@@ -20,7 +21,7 @@ struct OverlapScene {
     FaceCorners corners_b(const Segment& s) const { return corners(1, s.b); }
 };
 
-/// Face that counts `times` times.
+/// Face, and the number of times that it counts in the sums, which may be negative.
 struct CountedFace {
     std::int32_t face, times;
 };

@@ -76,7 +76,8 @@ void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World&
     bodies_.read(backend, world, query.filter, query.weld);
     begin(query, outline().worlds(), outline().bodies(), result);
     add_skipped(list_candidates(), result);
-    // If only flags are requested, surfaces that meet decide most of them, and the search for these ends early.
+    // If only flags are requested, most of them are set by surfaces that meet, and the search for such surfaces ends
+    // early.
     const bool by_meeting = is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_;
     if (by_meeting)
         find_flags(backend, worlds, world, result);
@@ -168,7 +169,7 @@ void OverlapSearch::sort_pairs() {
     for (std::size_t i = 0; i < order.size(); ++i) pairs_[i] = found_.pairs[order[i]];
     std::size_t i = 0;
     for (Candidate& candidate : candidates_) {
-        // Pairs of surfaces that are not closed.
+        // Skips the pairs of triangles of bodies that are no candidates, because a surface is not closed.
         while (i < order.size() && found_.bodies[order[i]] < candidate.bodies) ++i;
         candidate.begin = i;
         while (i < order.size() && found_.bodies[order[i]] == candidate.bodies) ++i;
@@ -176,8 +177,8 @@ void OverlapSearch::sort_pairs() {
     }
 }
 
-// Lists the candidates: pairs of bodies whose boxes overlap and whose surfaces are closed, or for OpenSurfaces::curves
-// any. Returns the bodies that are left out.
+// Lists the candidates: pairs of bodies whose boxes overlap and whose surfaces are closed; with OpenSurfaces::curves
+// also pairs of different bodies whose surfaces are not. Returns the bodies that the result has to name as skipped.
 std::vector<std::int32_t> OverlapSearch::list_candidates() {
     const Array<BodyPair> pairs = bodies_.near_pairs(query_.self_overlaps);
     std::vector<std::int32_t> open = bodies_.open_bodies(pairs.span(), query_.open, "OverlapQuery");

@@ -3,10 +3,10 @@
 // Finds the overlaps of bodies of worlds, on any backend that runs on the host: the backend finds the pairs of
 // triangles that intersect, and sums over these make a row for each pair of bodies (search/overlap_row.h).
 //
-//   bodies  --worlds, by the backend----->  pairs of triangles, by pair of bodies
+//   bodies  --search of worlds----------->  pairs of triangles that intersect, by pair of bodies
 //           --containment/closed_bodies.h-> pairs of bodies whose boxes overlap, of closed surfaces
-//   only flags: which surfaces meet, by the backend, else what lies inside what (containment/contained_bodies.h)
-//   each pair of bodies, on one worker: posed vertices, sums, numbers, relation -> a row
+//   only flags are requested: finds which surfaces meet, then bodies inside others (containment/contained_bodies.h)
+//   else for each pair of bodies, on one worker: posed vertices, sums, numbers, relation -> a row
 
 #include <vector>
 
@@ -24,7 +24,7 @@ class OverlapSearch {
     /// `bodies` caches the surfaces of shapes between calls.
     OverlapSearch(MemoryMeter& meter, Cancellation& cancellation, ClosedBodies& bodies);
 
-    /// `worlds` finds the pairs of triangles.
+    /// `worlds` finds the pairs of triangles that intersect.
     void find(BackendBase& backend, WorldSearch& worlds, const World& world, const OverlapQuery& query,
               Overlaps& result);
 
@@ -32,7 +32,7 @@ class OverlapSearch {
     void release();
 
    private:
-    /// Pair of bodies with its pairs of triangles: [begin, end) of `pairs_`.
+    /// Pair of bodies; its pairs of triangles are entries [begin, end) of `pairs_`.
     struct Candidate {
         BodyPair bodies;
         std::size_t begin, end;

@@ -53,7 +53,8 @@ void add(const EnclosedTerms& enclosed, const Segment& segment, CurveTotals<Fixe
 
 }  // namespace
 
-/// Adds chunks of [0, n) to totals in parallel: add(begin, end, totals of a chunk).
+/// Adds the terms [0, n) to `totals`, in parallel chunks. add(begin, end, to) adds some of them to the totals `to` of a
+/// chunk.
 template <class Totals, class Add>
 void OverlapSums::for_chunks(std::size_t n, Totals& totals, Add add) {
     constexpr std::size_t chunk = 2048;

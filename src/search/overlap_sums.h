@@ -7,7 +7,8 @@
 //   double-double, one bound per operation        for bodies in that range; bounds of small integers are 0
 //   integers and rationals                        always
 //
-// If the bounds of one tier cannot round a number, the next tier computes that number's group of sums again.
+// If the bounds of one tier are too wide to round a number, the next tier computes its sums again: those over volumes,
+// or those over curves.
 
 #include <optional>
 #include <span>
@@ -28,7 +29,7 @@ class OverlapSums {
     OverlapSums(ParallelFor& workers, const OverlapKernels* kernels, Cancellation& cancellation)
         : workers_(workers), kernels_(kernels), cancellation_(cancellation) {}
 
-    // Terms; they must not change once a sum has been requested:
+    // Input of the sums, which must not change once a sum has been requested:
     OverlapScene scene;
     std::vector<Segment> segments;
     std::array<std::vector<CountedFace>, 2> faces;  ///< faces of a and b

@@ -25,7 +25,7 @@ inline VolumeBounds bounds_of_volume(const PlacedSurface& body, const Vec3d& ori
                      size_x.y * (size_y.z * size_z.x + size_y.x * size_z.z) +
                      size_x.z * (size_y.x * size_z.y + size_y.y * size_z.x);
     }
-    // Each term passes at most eight roundings, and the sum one per face.
+    // Each term is rounded at most eight times, and the sum once per face.
     const double error = 0x1p-52 * (faces + 16) * magnitude;
     return {sum - error, sum + error};
 }

@@ -1,7 +1,8 @@
 #pragma once
 
-// Weights of the faces of one surface by the winding numbers of another (exact/overlap/crossing.h): those of crossings,
-// added up per face, and those of faces inside, on which the winding number is constant.
+// Weights of the faces of one surface, which depend on the winding numbers w of another (FaceWeights,
+// exact/overlap/crossing.h). On faces that the other surface crosses, w varies, and the contributions of the crossings
+// are added up. On all other faces w is constant, and each weight is w.
 
 #include <algorithm>
 #include <cstdint>
@@ -30,15 +31,15 @@ class WeightedFaces {
         }
         faces_.resize(count);
     }
-    /// Adds the winding number at its first corner to each entry.
+    /// Adds to the weights of each entry the winding number at the first corner of its face.
     void add_windings(const ClosedSurface& surface, const WindingSteps& steps) {
         for (Entry& entry : faces_)
             if (const int winding = steps.winding_at(surface.place(surface.corners(entry.face)[0])))
                 for (Number& weight : entry.weights) weight = weight + Number(winding);
     }
 
-    /// Calls crossed(face, weights) for each entry, and inside(face, winding) for all other faces on which the winding
-    /// number is not 0. Call combine() first.
+    /// Calls crossed(face, weights) for each entry, and inside(face, winding) for each face without an entry on which
+    /// the winding number is not 0. Call combine() and add_windings() first.
     template <class Crossed, class Inside>
     void for_each(const ClosedSurface& surface, const WindingSteps& steps, Crossed crossed, Inside inside) {
         if (!steps.intervals().empty()) is_crossed_.resize(static_cast<std::size_t>(surface.face_count()), 0);

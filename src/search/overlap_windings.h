@@ -1,7 +1,8 @@
 #pragma once
 
-// Winding numbers of one surface at the vertices of another. In the order of a depth-first walk of the forest of edges
-// (scene/closed_surface.h) they are piecewise constant, with steps where the surfaces cross.
+// Winding numbers of one surface at the vertices of another. The place of a vertex is its position in a depth-first
+// walk of a spanning forest of edges (scene/closed_surface.h). In the order of places, winding numbers are piecewise
+// constant, with steps where the surfaces cross.
 
 #include <cstdint>
 #include <vector>
@@ -19,7 +20,7 @@ struct WindingInterval {
     std::int32_t begin, end, winding;
 };
 
-/// Intervals of places of one surface, built from the steps of winding numbers at their ends.
+/// Intervals of places of one surface, built from steps: changes of the winding number at a place.
 class WindingSteps {
    public:
     void add(std::int32_t begin, std::int32_t end, std::int32_t winding) {
@@ -27,12 +28,12 @@ class WindingSteps {
         steps_.push_back({begin, winding});
         steps_.push_back({end, -winding});
     }
-    /// Adds the steps of another part of the same surface.
+    /// Adds steps of the same surface that were computed separately.
     void add(const WindingSteps& part) { steps_.insert(steps_.end(), part.steps_.begin(), part.steps_.end()); }
-    /// Adds the changes of the winding number along the edges of a face.
+    /// Adds a step for each edge of the face that is in the forest and along which the winding number changes.
     void add_jumps(const ClosedSurface& surface, std::int32_t face, const EdgeJumps& jumps);
-    /// Adds the winding numbers of `other`, which is shifted, at the first vertex of each component of `of`. Call after
-    /// all steps of edges have been added.
+    /// Adds the winding numbers of `other`, which is shifted (exact/overlap/face_crossing.h), at the first vertex of
+    /// each component of `of`. Call after the steps of all edges have been added.
     void add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift, Cancellation& cancellation);
 
     std::size_t bytes() const { return bytes_of(steps_) + bytes_of(intervals_); }

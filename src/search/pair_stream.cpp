@@ -23,7 +23,7 @@ void append_pairs(Intersections& to, const Intersections& piece, std::size_t beg
     }
 }
 
-/// Converts pairs to pieces of blocks, with contacts if requested.
+/// Converts pairs that the backend delivers to pieces of blocks (results/ordered_blocks.h), with contacts if requested.
 class PairPieces final : public PairStream {
    public:
     PairPieces(const PreparedScene& scene, bool contacts, MemoryMeter& meter, OrderedBlocks<Intersections>& blocks)
@@ -42,7 +42,7 @@ class PairPieces final : public PairStream {
     void finish(std::int64_t unit) override { blocks_.finish(unit); }
     void fail() override { blocks_.fail(); }
 
-    std::atomic<std::int64_t> rational{0};  ///< number of contacts in rational arithmetic
+    std::atomic<std::int64_t> rational{0};  ///< number of contacts computed in rational arithmetic
 
    private:
     const PreparedScene& scene_;

@@ -13,7 +13,8 @@ bool names(const std::int32_t* corners, std::int32_t vertex) {
     return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
 }
 
-// Restores the peak: a search that starts again after freeing its memory resets it.
+// Runs a search, and then restores the meter's peak if it was higher before: a search that frees its memory and starts
+// again resets the peak.
 template <class Search>
 void keeping_peak(MemoryMeter& meter, Search search) {
     const std::int64_t before = meter.peak;
@@ -111,7 +112,7 @@ std::span<const std::int32_t> TriangleImpacts::triangles_of(std::int32_t vertex)
                                 static_cast<std::size_t>(first_use_[vertex + 1] - first_use_[vertex]));
 }
 
-/// Calls visit(pair, toi, start) for each pair, some more than once.
+/// Calls visit(pair, toi, start) for each pair of triangles that meets, for some pairs more than once.
 template <class Visit>
 void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupFilter& rule,
                                     const RowLists& found, Visit visit) const {
@@ -138,8 +139,8 @@ void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatu
     });
 }
 
-// Sorts the entries of each first triangle by the second and keeps the first time of each pair; then writes them one
-// first triangle after another.
+// Sorts the entries of each first triangle by the second triangle, and keeps the entry with the first time for each
+// pair. Then writes the rows, one first triangle after another.
 void TriangleImpacts::write_rows(ParallelFor& workers) {
     const auto firsts = static_cast<std::int64_t>(first_.size()) - 2;
     kept_.resize_discard(static_cast<std::size_t>(firsts) + 1);

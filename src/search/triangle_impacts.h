@@ -1,8 +1,8 @@
 #pragma once
 
-// Finds the pairs of triangles of a step: those that intersect at its start, and those of which an impact names one
-// feature each. Independent of the backend, which finds intersections and impacts; this file derives the pairs of
-// triangles from them, and counts and sorts them into rows.
+// Finds the pairs of triangles that meet during a step: pairs that intersect at its start, and pairs for which a
+// feature of one triangle has an impact with a feature of the other. A backend finds intersections and impacts; this
+// file derives the pairs of triangles from them, for any backend, and sorts them into rows.
 
 #include <cstdint>
 #include <span>
@@ -20,11 +20,13 @@ class TriangleImpacts {
    public:
     explicit TriangleImpacts(MemoryMeter& meter);
 
-    /// True if some pair intersects at the start. `scene`: with the proxy triangles of `features`.
+    /// True if some pair of triangles intersects at the start. `scene`: the scene, with the proxy triangles of
+    /// `features`.
     bool any_at_start(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features);
 
-    /// Makes rows() from all impacts of features and the pairs that intersect at the start: unique, sorted; the value
-    /// is the first time, the flag is set if they intersect or touch at the start. O(triangles + rows), and one search.
+    /// Makes rows() from all impacts of features (`found`) and the pairs that intersect at the start. Each pair has one
+    /// row, and rows are sorted. The value of a row is the first time at which the triangles meet; its flag is 1 if
+    /// they intersect or touch at the start. Cost: O(triangles + rows), and one search for intersections.
     void find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features, const GroupFilter& rule,
               const RowLists& found, Statistics& statistics);
 
@@ -49,11 +51,11 @@ class TriangleImpacts {
     void write_rows(ParallelFor& workers);
 
     MemoryMeter& meter_;
-    Array<std::int32_t> corners_;       ///< corners of the scene at the start, if vertices are welded
-    Array<Pair> intersecting_;          ///< pairs at the start, in any order
-    Array<std::int64_t> first_use_;     ///< start of each vertex in `uses_`
+    Array<std::int32_t> corners_;       ///< if vertices are welded: corners by representatives
+    Array<Pair> intersecting_;          ///< pairs that intersect at the start, in any order
+    Array<std::int64_t> first_use_;     ///< by vertex: start of its entries in `uses_`
     Array<std::int32_t> uses_;          ///< triangles that name each vertex
-    Array<std::int64_t> first_, kept_;  ///< start of the entries of each first triangle, and of its rows
+    Array<std::int64_t> first_, kept_;  ///< by the first triangle of a pair: start of its entries; of its rows
     Array<Entry> entries_;
     FeatureRows rows_;
 };

@@ -16,7 +16,7 @@
 namespace crumple {
 namespace {
 
-// Worlds per task: some microseconds each.
+// Worlds per task. A world takes some microseconds.
 constexpr std::int32_t worlds_a_task = 16;
 
 // Limits of worlds side by side in one scene. Worlds are joined only while they are small, and up to a total at which
@@ -106,7 +106,7 @@ void WorldSearch::read_shapes() {
     }
 }
 
-// Computes boxes if they can exclude bodies: not if all bodies must be searched anyway.
+// Computes the boxes of bodies, unless all bodies must be searched anyway.
 void WorldSearch::read_bodies() {
     boxes_ = outline_.worlds() > 1 || std::any_of(trees_.begin(), trees_.end(), [](auto* tree) { return tree; });
     for (std::int32_t b = 0; b < outline_.bodies() && !boxes_; ++b) boxes_ = !rules_.within(b, outline_.body(b).self);
@@ -140,7 +140,8 @@ std::int32_t WorldSearch::end_of(std::int32_t pass) const {
     return pass < outline_.worlds() ? outline_.first_body(pass + 1) : outline_.bodies();
 }
 
-// True if the filter can select a pair of triangles of the two bodies, as far as the bodies alone decide.
+// True if the filter may select pairs of triangles of two different bodies. If a shape has groups, the groups are not
+// compared.
 bool WorldSearch::may_meet(std::int32_t a, std::int32_t b) const {
     if (!rules_.between(a, b)) return false;
     const bool grouped = !outline_.shape(a).groups.empty() || !outline_.shape(b).groups.empty();
@@ -321,7 +322,8 @@ void WorldSearch::mark(std::int32_t a, std::int32_t b) {
     by_box(b, tree_b, place_b, a);
 }
 
-// True if memory suffices for work on the joined worlds. Throws if there is only one.
+// Runs work() on the joined worlds. Returns false if it exceeds the memory limit; if there is only one joined world,
+// rethrows the exception.
 template <class Work>
 bool WorldSearch::fits(Work work) const {
     try {
@@ -341,8 +343,8 @@ void WorldSearch::search_joined(BackendBase& backend, bool gathered, Intersectio
     joined_.clear();
 }
 
-// Searches one half of the worlds, then the other, each gathered anew. First frees all memory that was cached for the
-// whole, so that a single world finally has as much memory as it would have alone.
+// Searches one half of the joined worlds, then the other, each gathered anew. First frees all memory that was cached
+// for the whole, so that a world that remains alone has as much memory as if it had always been alone.
 void WorldSearch::search_halves(BackendBase& backend, Intersections& result) {
     const std::vector<std::int32_t> all = std::exchange(joined_, {});
     most_joined_ = std::min(most_joined_, scene_.triangles()) / 2;
@@ -387,7 +389,7 @@ void WorldSearch::look(BackendBase& backend, Intersections& result) {
     }
 }
 
-// Adds the findings to the result.
+// Adds what look() has found to the result.
 void WorldSearch::take(Intersections& result) {
     for (std::size_t w = 0; w < flags_.size(); ++w)
         if (flags_[w]) hit(joined_[w], outline_, result);
@@ -395,7 +397,7 @@ void WorldSearch::take(Intersections& result) {
     if (question_.output > Output::any_by_world && !blocks_) append(found_, result);
 }
 
-// Pairs are sorted by world.
+// Appends pairs of the scene to the result. They are sorted by world.
 void WorldSearch::append(const Intersections& found, Intersections& result) {
     std::size_t world = 0;
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {

@@ -1,17 +1,17 @@
 #pragma once
 
-// Intersections of worlds, on any backend: each world's bodies become a scene of posed triangles, without those that
-// cannot meet.
+// Intersections of worlds, on any backend: each world's bodies become a scene of posed triangles, from which bodies and
+// groups of triangles that cannot meet others are left out.
 //
 //   shapes  --named, or in all of several worlds-->  trees (scene/shape_tree.h), cached by name
 //   bodies  ---------------------------------------> boxes, and pairs of bodies whose boxes overlap
-//   both bodies of a pair have trees, and only flags are requested:  search/first_hit.h decides the pair at once
+//   if both bodies of a pair have trees, and only flags are requested:  search/first_hit.h decides the pair
 //   else: groups of triangles that may meet, or whole bodies --> WorldScene --> the backend's search of a scene
 //
 // A scene has one world, or many side by side if the backend supports it (worlds_at_once).
 //
-// So a body that is clear of all others costs one box, and the work for one world does not depend on the number of
-// other worlds, or on the extent of triangles that are in all worlds.
+// So a body whose box overlaps no other body's box costs only this box. The work for one world does not depend on the
+// number of other worlds, nor on the triangles of bodies in all worlds that are far from the world's own bodies.
 
 #include <memory>
 #include <span>
@@ -34,7 +34,7 @@ class WorldSearch {
    public:
     WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& named);
 
-    /// Delivers blocks if `blocks` is not null.
+    /// Fills the result or, if `blocks` is not null, delivers it in blocks.
     void find(BackendBase& backend, const World& world, const IntersectionQuery& query, Intersections& result,
               const WorldBlocks* blocks = nullptr);
 
@@ -55,7 +55,7 @@ class WorldSearch {
     void read_bodies();
     Bounds read_box(std::int32_t b) const;
 
-    // `pass` is a world index; worlds() stands for pairs among bodies that are in all worlds.
+    // `pass` is the index of a world; the number of worlds stands for the pairs among bodies that are in all worlds.
     std::int32_t passes() const { return outline_.worlds() + 1; }
     std::int32_t begin_of(std::int32_t pass) const { return outline_.first_body(pass); }
     std::int32_t end_of(std::int32_t pass) const;
@@ -95,12 +95,12 @@ class WorldSearch {
     WorldOutline outline_;
     BodyFilter rules_;
     bool float32_ = true;
-    bool boxes_ = false;                               ///< true if bodies have boxes
-    std::vector<const ShapeTree*> trees_;              ///< by shape; null: it has none
+    bool boxes_ = false;                               ///< true if near_ has the boxes of all bodies
+    std::vector<const ShapeTree*> trees_;              ///< by shape; null: the shape has no tree
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
     NearBodies near_;
     Array<Mark> marks_;
-    Array<BodyPair> neighbours_;  ///< pairs of bodies that may meet, in both orders
+    Array<BodyPair> neighbours_;  ///< in the collected world: pairs of bodies that may meet, in both orders
     Array<std::int32_t> groups_, whole_;
     std::vector<Bounds> near_boxes_;
     std::vector<std::int32_t> joined_;  ///< indices of the worlds that are side by side in the scene
@@ -108,7 +108,7 @@ class WorldSearch {
     Intersections found_;
     Array<std::uint8_t> flags_;  ///< hits of the joined worlds
 
-    std::int64_t most_joined_;  ///< most triangles of several joined worlds that are known to fit in memory
+    std::int64_t most_joined_;  ///< maximum number of triangles of several joined worlds; lowered if memory is short
 };
 
 }  // namespace crumple

@@ -73,11 +73,11 @@ T atomicCAS(T* address, std::type_identity_t<T> expected, std::type_identity_t<T
     __atomic_compare_exchange_n(address, &expected, value, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
     return expected;
 }
-/// Counts up to `limit`, then from 0 again.
+/// Counts up to `limit`, then from 0 again. Returns the old value.
 inline unsigned atomicInc(unsigned* address, unsigned limit) {
     return cuda_on_cpu::update(address, [=](unsigned old) { return old >= limit ? 0 : old + 1; });
 }
-/// Counts down to 0, then from `limit` again.
+/// Counts down to 0, then from `limit` again. Returns the old value.
 inline unsigned atomicDec(unsigned* address, unsigned limit) {
     return cuda_on_cpu::update(address, [=](unsigned old) { return old == 0 || old > limit ? limit : old - 1; });
 }

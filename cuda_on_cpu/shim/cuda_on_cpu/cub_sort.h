@@ -42,7 +42,8 @@ void sort_range(const Key* keys, Key* keys_out, const Value* values, Value* valu
     }
 }
 
-/// Returns the bytes of temporary storage of a sort; with plain pointers, enough for a second copy of the data.
+/// Returns the bytes of temporary storage of a sort. `own_alternate`: true if the caller has a second buffer
+/// (DoubleBuffer); otherwise the storage must hold a second copy of the data.
 template <class Key, class Value>
 std::size_t sort_bytes(std::size_t n, bool own_alternate) {
     return n / 64 + (own_alternate ? 0 : n * (sizeof(Key) + sizeof(Value)));

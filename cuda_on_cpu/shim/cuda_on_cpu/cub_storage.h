@@ -61,8 +61,8 @@ void block_primitive(const Site& site, Storage& storage, T& mine, F combine) {
     });
 }
 
-/// Waits for all lanes of a logical warp: `Lanes` lanes, a power of two, beginning at a multiple of it. The last one to
-/// arrive calls combine(all), with all[i] of its lane i.
+/// Waits for all lanes of a logical warp: `Lanes` lanes, a power of two, the first of which is a multiple of `Lanes`.
+/// The last one to arrive calls combine(all), with all[i] of its lane i.
 template <unsigned Lanes, class Storage, class T, class F>
 void warp_primitive(const Site& site, Storage& storage, T& mine, F combine) {
     static_assert(Lanes >= 1 && Lanes <= 32 && (Lanes & (Lanes - 1)) == 0);

@@ -40,7 +40,8 @@ inline std::uint32_t ballot(const Site& site, std::uint32_t mask, bool predicate
     return mine.result;
 }
 
-/// Returns the value of lane `source`; the caller's own if `source` is negative, which means outside its segment.
+/// Returns the value of lane `source`: rubbish if the mask lacks that lane, and the caller's own value if `source` is
+/// negative, which stands for a lane outside the caller's segment.
 template <class T>
 T shuffle(const Site& site, std::uint32_t mask, const T& value, int source) {
     static_assert(std::is_arithmetic_v<T> && sizeof(T) >= 4 && sizeof(T) <= 8, "CUDA shuffles 4 or 8 bytes");

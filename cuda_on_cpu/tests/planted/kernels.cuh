@@ -1,6 +1,7 @@
 #pragma once
 
-// Kernels with a bug that `planted` switches on, in plain CUDA: nvcc compiles them, too, and finds nothing wrong.
+// Kernels in plain CUDA, each with a bug that `planted` or another argument switches on. "Planted:" describes the bug.
+// nvcc compiles the kernels, too, and finds nothing wrong.
 
 #include <cub/block/block_reduce.cuh>
 #include <cub/block/block_scan.cuh>
@@ -51,7 +52,7 @@ __global__ void neighbour(int* out, bool planted) {
     out[i] = s.items[i ^ 1];
 }
 
-/// Counts blocks. Planted: without an atomic.
+/// Counts blocks. Planted: the addition is not atomic.
 __global__ void count_blocks(int* count, bool planted) {
     if (threadIdx.x != 0) return;
     if (planted)
@@ -74,8 +75,9 @@ __global__ void last_block_sums(int* parts, unsigned* arrived, int* total, bool 
 
 enum class FenceBug { none, missing, too_early };
 
-/// Counts the elements of a list; the warp that counts the last ones sums the counts of all warps. Planted: no fence
-/// around the list's counter, or one before the warp has met, which does not cover the counts of the other lanes.
+/// Counts the elements of a list; the warp that counts the last ones sums the counts of all warps. Planted: no fences
+/// on both sides of the list's counter, or a first fence that comes before the lanes of the warp have met, so that it
+/// does not cover the counts of the other lanes.
 __global__ void last_warp_of_a_list_sums(unsigned* count, unsigned* arrived, unsigned* total, FenceBug bug) {
     const unsigned lane = threadIdx.x % 32;
     atomicAdd(&count[lane], 1u);
@@ -119,11 +121,12 @@ __global__ void queue_of_bits(unsigned* out, bool planted) {
 enum class QueueBug { lost_at_the_end, one_too_many, counted_by_those_that_add, read_while_written };
 
 struct QueuesOfTests {
-    unsigned waiting[2][63];  // up to 31 are left when 32 come
+    unsigned waiting[2][63];  // a queue may hold 31 tests when 32 more are added
 };
 
-/// Returns the tests of one kind to which a lane's pair expands, one bit per test. These numbers fill the first queue
-/// exactly while the second one waits, continue the second one where others have read, and leave both partly full.
+/// Returns the tests of one kind to which a lane's pair expands, one bit per test. The numbers are such that the first
+/// queue fills up exactly while tests wait in the second one, that tests are added to the second one where others have
+/// been read, and that both are partly full at the end.
 __host__ __device__ inline unsigned tests_of_a_pair(unsigned pair, unsigned kind, unsigned lane) {
     if (kind == 0) return pair == 1 ? 3 : pair == 2 && lane < 7 ? 1 : 0;
     return pair == 0 ? lane < 5 : pair == 2 ? 3 * (lane % 2) : pair == 3 ? lane >= 27 : 0;
@@ -131,8 +134,9 @@ __host__ __device__ inline unsigned tests_of_a_pair(unsigned pair, unsigned kind
 __host__ __device__ inline unsigned worth(unsigned kind, unsigned lane) { return 100 * (kind + 1) + lane; }
 
 /// Expands pairs, one per lane, to tests of two kinds, which wait until a warp has 32 of a kind; `out` is the sum of
-/// worth() of all tests. Planted: tests left at the end are forgotten; a queue is emptied when it is more than full;
-/// lanes that add nothing do not count tests that others add; or the next tests are written where lanes may still read.
+/// worth() of all tests. Planted, by `bug`: tests left at the end are forgotten; a queue is emptied only when it is
+/// more than full; lanes that add nothing do not count the tests that others add; or the next tests are written where
+/// lanes may still read.
 template <QueueBug bug>
 __global__ void queues_of_tests(unsigned* out, bool planted) {
     QueuesOfTests& s = portable::dynamic_shared<QueuesOfTests>();
@@ -173,8 +177,8 @@ struct Earliest {
     unsigned pair;
 };
 
-/// Finds the earliest time of all hits, then the first pair at that time. Planted by the launch: both in one, where a
-/// barrier holds for one block only.
+/// Finds the earliest time of all hits, then the first pair at that time, in two launches. Planted by the launch: a
+/// single launch does both, although the barrier in between holds for one block only.
 __global__ void find_earliest(const Earliest* hits, Earliest* earliest, bool time, bool pair) {
     const Earliest& hit = hits[blockIdx.x * blockDim.x + threadIdx.x];
     if (time) atomicMin(&earliest->time, hit.time);
@@ -201,8 +205,8 @@ __global__ void stop_at_a_flag(unsigned* out, bool planted) {
     out[threadIdx.x] = 1;
 }
 
-/// Lets lanes of several worlds vote, one of which is decided: its lanes add nothing, but must vote as the others do.
-/// Planted: they skip the vote.
+/// Lets lanes vote. Each eight lanes belong to a world; the third world of each warp is decided: its lanes add nothing,
+/// but must vote as the others do. Planted: they skip the vote.
 __global__ void leave_out_a_world(unsigned* out, bool planted) {
     Items& s = portable::dynamic_shared<Items>();
     const unsigned lane = threadIdx.x % 32, world = threadIdx.x / 8;

@@ -64,7 +64,8 @@ void expect_refused(void (*kernel)(T*, bool), const char* message, unsigned bloc
     }
 }
 
-/// Expects that ThreadSanitizer finds the bug, in each order. The result is right in any order, so nothing else does.
+/// Expects that ThreadSanitizer finds the bug, in each order. The result is right in any order, so that no other build
+/// finds it.
 void expect_race(const std::function<void(bool)>& body) {
     for (const Order order : all_orders) {
         settings().order = order;
@@ -115,7 +116,7 @@ TEST_F(Planted, queue_that_takes_one_item_too_many_is_found) {
         expect_wrong(kernel, all_tests());
 }
 TEST_F(Planted, block_barrier_relied_on_across_blocks_is_found) {
-    settings().workers = 1;  // found even so, because blocks are not ordered
+    settings().workers = 1;  // the bug is found even if one worker runs all blocks
     std::vector<Earliest> all;
     for (unsigned i = 0; i < 20 * threads; ++i) all.push_back({200 + i * 29 % 1000, i});
     all[700] = {100, 5001};
@@ -221,7 +222,7 @@ TEST_F(Planted, block_primitive_for_another_block_size_is_refused) {
         "BlockScan for 64 threads at .* in a block of 128");
 }
 
-// Found by guard pages and canaries; by AddressSanitizer, to the byte.
+// Found by guard pages and canaries or, in builds with AddressSanitizer, to the byte.
 
 void write_shared_at(int index) {
     const Array<int> out(threads);
@@ -365,7 +366,7 @@ TEST_F(Planted, warp_queue_rewritten_without_fence_is_found) {
     expect_race([](bool bug) { EXPECT_EQ(run(queues_of_tests<QueueBug::read_while_written>, bug, 32), all_tests()); });
 }
 TEST_F(Planted, race_between_blocks_is_found) {
-    settings().workers = 1;  // found even so, because blocks are not ordered
+    settings().workers = 1;  // the race is found even if one worker runs all blocks
     expect_race([](bool bug) {
         const Array<int> count(std::vector<int>{0});
         launch(count_blocks, 20, threads, 0, count.data(), bug);

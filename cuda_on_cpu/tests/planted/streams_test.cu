@@ -224,8 +224,8 @@ TEST_F(Planted, allocation_in_capture_is_refused_unless_relaxed) {
     EXPECT_EQ(allocates_in_capture(false), std::pair(false, false));
     EXPECT_EQ(allocates_in_capture(true), std::pair(true, true)) << "hidden";
 }
-// A library destroys a cached executable graph while its caller, or another thread, captures. Planted: not in relaxed
-// mode.
+// A library destroys a cached executable graph while its caller, or another thread, captures. Planted: the library's
+// thread is not in relaxed mode.
 TEST_F(Planted, destroying_executable_spoils_captures_unless_relaxed) {
     const TwoStreams s;
     const auto leaves_capture_alone = [&](bool bug, bool in_another_thread) {

@@ -74,7 +74,8 @@ TEST_F(Atomics, operations_of_all_kinds_lose_no_update) {
     const Array<unsigned> returned(n);
     launch(all_kinds, 3, 64, 0, i.data(), u.data(), l.data(), returned.data());
     EXPECT_EQ(i.values(), (std::vector<int>{-(n - 1), n - 1, -2 * n}));
-    // 192 steps of 10 values each way: two beyond a multiple, up from 0 and down from 0.
+    // atomicInc and atomicDec cycle through ten values, 0 to 9. 192 steps are two more than a multiple of ten: from 0
+    // up to 2, and from 0 down to 8.
     EXPECT_EQ(u.values(), (std::vector<unsigned>{~0u, 0xffff00ffu, 0, 2, 8, n - 1, n, 77}));
     EXPECT_EQ(l.values(), (std::vector<unsigned long long>{1ull << 40, static_cast<unsigned long long>(n - 1) << 40}));
     std::vector<unsigned> order = returned.values();

@@ -149,7 +149,7 @@ TEST_F(DevicePrimitive, runs_are_listed_with_their_lengths) {
     EXPECT_EQ(lengths.values()[1], 2);
 }
 
-/// Indices of the keys in the order of a stable sort.
+/// Returns the indices of the keys in the order of a stable sort.
 template <class Key>
 std::vector<int> sorted_indices(const std::vector<Key>& keys, int first, int last) {
     std::vector<int> result(static_cast<std::size_t>(last - first));

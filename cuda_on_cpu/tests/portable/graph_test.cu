@@ -76,7 +76,7 @@ class Graph : public portable::DeviceTest {
         f([&] { return cudaEventSynchronize(fork); }, true);
         f([&] { return cudaEventQuery(fork); }, true);
     }
-    /// Ends a capture, which must have been invalidated if `spoilt`, and be valid otherwise.
+    /// Ends a capture. It must have been invalidated if `spoilt`, and be valid otherwise.
     void expect_spoilt(bool spoilt) {
         if (spoilt)
             expect_spoilt();

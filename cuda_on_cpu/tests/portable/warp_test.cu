@@ -99,7 +99,7 @@ TEST_F(Warp, lanes_of_disjoint_masks_run_independently) {
     EXPECT_EQ(out.values(), expected);
 }
 
-// Lets lanes leave a loop one by one; the remaining ones name each other.
+// Lets lanes leave a loop one by one. The masks of the remaining lanes name only remaining lanes.
 __global__ void leave_one_by_one(unsigned* out) {
     const unsigned lane = threadIdx.x;
     unsigned seen = 0, mask = full;

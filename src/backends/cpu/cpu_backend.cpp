@@ -1,5 +1,5 @@
-// Backend interface of the cpu backend: caches data between calls, and chooses how a call is run. The order of the
-// stages is in order.cpp.
+// Implementation of the backend interface on the cpu: caches data between calls, and chooses how a call is run, at once
+// or, under a memory limit, in chunks. The order of the stages is in order.cpp.
 
 #include "backends/backend.h"
 
@@ -147,7 +147,7 @@ class CpuBackend final : public BackendBase {
                                                : inflation_of_radii(scene, request.radii, workers_, k.features);
         return call;
     }
-    // Frees all cached data, and makes a low-memory call.
+    // Frees all cached data, and makes a call with Call::low_memory.
     IntersectCall call_in_chunks(const PreparedScene& scene, const IntersectionQuery& query, const Part* part) {
         release();
         statistics_ = {};

@@ -1,8 +1,9 @@
 #pragma once
 
-// Steps of a query in place of [MZ]'s triangle test: the interface between the order of the stages, which deals with
-// balls, boxes and ownership, and the kinds of query, which do all else. Virtual calls cost nothing here: there are a
-// few per leaf, and one per tile of a large leaf.
+// Interface between order.cpp, which runs the stages that are the same for all queries (balls, leaves, sorting,
+// ownership of pairs), and the steps that depend on the kind of query: the boxes and records of a leaf's members, and
+// the filters and decisions of candidate pairs. A leaf is a small set of triangles that one sweep searches. The cost of
+// virtual calls does not matter: there are a few per leaf, and one per tile (range of rows) of a large leaf.
 
 #include <cstddef>
 #include <cstdint>
@@ -22,10 +23,10 @@ class LeafQuery {
    public:
     virtual ~LeafQuery() = default;
 
-    /// Starts a search: discards earlier results. Stage `bounds` has run.
+    /// Starts a search: discards earlier results. Called after stage `bounds`.
     virtual void begin(const Call& call) = 0;
-    /// Leaves out triangles that need not be searched (Buffers::included). `levels`: those above the scene; the call
-    /// may add one.
+    /// Leaves out triangles that need not be searched (Buffers::included). `levels`: the levels of subdivision above
+    /// the scene; an override may add one.
     virtual void leave_out(const Call&, Levels& /*levels*/) {}
     /// Reserves a worker's scratch for a leaf with these numbers of members and rows, so that warm calls allocate
     /// nothing.
@@ -41,7 +42,8 @@ class LeafQuery {
     virtual void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
                        std::size_t builder, std::size_t worker) = 0;
 
-    /// Begin and end a unit of a stream on a worker. Rows that sweep() finds in between belong to the unit.
+    /// Begin and end a unit of a stream (RowStream) on a worker. Pairs that sweep() finds in between belong to the
+    /// unit.
     virtual void begin_unit(std::int64_t /*unit*/, std::size_t /*worker*/) {}
     virtual void end_unit(std::size_t /*worker*/) {}
     /// Reports that the search ends with an error. May be called several times.

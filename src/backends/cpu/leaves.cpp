@@ -9,7 +9,7 @@
 namespace crumple::cpu {
 namespace {
 
-// Leaves with more interval tests than this are cut into tiles of about a quarter of it, for several workers.
+// Leaves with more interval tests than this are cut into tiles of about a quarter of this number, for several workers.
 constexpr std::int64_t tile_work = std::int64_t{1} << 22;
 
 // Cuts a leaf's rows into tiles with about the same number of interval tests. Writes the first row of each, then the
@@ -78,7 +78,7 @@ void sort_leaf(const Call& call, std::size_t w) {
 void sweep_leaf(const Call& call, const Ownership& ownership, bool in_tiles, std::size_t w) {
     WorkerBuffers& worker = *call.buffers.worker[w];
     const SortedLeaf& leaf = worker.leaf;
-    // Units of a stream must not depend on the number of workers.
+    // In a stream, each tile is a unit, and units must not depend on the number of workers.
     if (!in_tiles || (!call.units && (call.workers.workers() == 1 || leaf.work <= tile_work))) {
         call.query.sweep(leaf, ownership, 0, leaf.rows, w, w);
         return;

@@ -1,14 +1,16 @@
 #pragma once
 
-// The stages of one leaf, `align` to `narrow`, on one worker's buffers; tiles of a large leaf on several workers.
+// The stages of one leaf, `align` to `narrow`, on one worker's buffers. Large leaves are swept in tiles (ranges of
+// rows) by several workers.
 
 #include "backends/cpu/order.h"
 #include "backends/cpu/stages/ownership.h"
 
 namespace crumple::cpu {
 
-/// Reserves each worker's scratch for the largest ordinary leaf, so that warm calls allocate nothing; an unusually
-/// large leaf grows its worker's scratch later. Does nothing under a memory limit or with one worker.
+/// Reserves each worker's scratch for as many members as the largest leaf has, but at most for 4 * Options::leaf_size,
+/// so that warm calls allocate nothing. A larger leaf grows its worker's scratch later. Does nothing under a memory
+/// limit or with one worker.
 void reserve_for_workers(const Call& call);
 
 /// Runs `align` of a leaf. Returns false if the leaf has fewer than two members. Prepares `ownership` for its members.

@@ -18,7 +18,8 @@ void begin(const Call& call) {
     statistics.leaves = statistics.members = 0;
 }
 
-// Selects the triangles to search (Buffers::included). Returns the levels above them that decide which pairs are owned.
+// Selects the triangles to search (Buffers::included). Returns the levels of subdivision above the scene. Together with
+// the scene's own levels, they decide which pairs a leaf owns.
 Levels choose_triangles(const Call& call) {
     Buffers& b = call.buffers;
     Levels levels = call.levels;
@@ -29,7 +30,8 @@ Levels choose_triangles(const Call& call) {
 }
 
 // Returns how many leaves, the largest first, run one after another, each on all workers: those far larger than usual,
-// or the only one. This is needed if a task cannot start a loop, and in streams, whose units are then tiles.
+// or the only one. Needed if a task cannot start a parallel loop, and in streams, where each tile of these leaves is a
+// unit.
 std::size_t leaves_alone(const Call& call) {
     const Array<Leaf>& leaves = call.buffers.subdivision.leaves;
     if (call.workers.nests() && !call.units) return 0;
@@ -79,7 +81,7 @@ void search(const Call& call) {
     Stopwatch watch;
     query.begin(call);
     for (const auto& worker : b.worker) worker->statistics = {};
-    if (call.low_memory) b.warm = {};  // so that each pass makes the same leaves
+    if (call.low_memory) b.warm = {};  // a search may run twice, to count and to fill, and needs the same leaves
     const Levels levels = choose_triangles(call);
     statistics[Stage::bounds] += watch.lap();
     place_clusters(b.balls, n, b.included_or_null(), call.options, kernels, workers, b.warm, b.subdivision);
@@ -95,7 +97,7 @@ void search(const Call& call) {
             Ownership ownership(scene, levels, b.subdivision, leaf);
             if (!align_leaf(call, leaf, ownership, worker)) return;
             sort_leaf(call, worker);
-            sweep_leaf(call, ownership, in_tiles, worker);  // and narrow
+            sweep_leaf(call, ownership, in_tiles, worker);  // runs `narrow`, too
         });
         watch.lap();
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Order of the stages ([MZ] Algorithm 1), the same for every kind of query.
+// Order of the stages, the same for every kind of query (Algorithm 1 of [MZ], the paper cited in ARCHITECTURE.md).
 
 #include <algorithm>
 #include <atomic>
@@ -17,7 +17,7 @@ namespace crumple::cpu {
 struct Call {
     const PreparedScene& scene;
     const GroupFilter& rule;
-    Levels levels;  ///< levels above the scene
+    Levels levels;  ///< levels of subdivision above the scene, if it is a part of a larger one
     const Options& options;
     const StageKernels& kernels;
     Workers& workers;
@@ -28,7 +28,7 @@ struct Call {
     Statistics& statistics;
     LeafQuery& query;
 
-    bool low_memory = false;        ///< one cluster after another, on one worker
+    bool low_memory = false;        ///< true: searches one cluster after another, on one worker
     std::int64_t* units = nullptr;  ///< number of units that a stream has begun; null: no stream
     Inflation inflation = {};       ///< inflation of every triangle
 

@@ -3,10 +3,10 @@
 // The only place where the cpu backend uses threads: an arena of workers, oneTBB's or an Executor that the application
 // provides, and a parallel loop.
 //
-// With CRUMPLE_STD_THREADS, plain std::thread replaces oneTBB: ThreadSanitizer understands it, but reports races inside
-// a clean oneTBB. Either way, each task holds the floating-point environment, and `worker` is below workers() and
-// unique among the tasks that run at the same time, so that each worker can have scratch memory of its own. Before each
-// task, a loop checks whether the call was cancelled, and throws.
+// With CRUMPLE_STD_THREADS, plain std::thread replaces oneTBB: for ThreadSanitizer, which reports false races within
+// oneTBB. Either way, each task holds a FloatEnvironment, and `worker` is below workers() and unique among the tasks
+// that run at the same time, so that each worker can have scratch memory of its own. Before each task, a loop throws if
+// the call was cancelled.
 
 #include <algorithm>
 #include <atomic>
@@ -48,7 +48,7 @@ class Workers {
         parallel_for_lent(n, task);
     }
 #else
-    /// Starts the threads now: if the first call had to, it would take a third longer in a small scene.
+    /// Starts the threads at once. If the first call had to start them, it would take a third longer in a small scene.
     Workers(const Options& options, Cancellation& cancellation)
         : lent_(options.executor),
           arena_(options.threads > 0 ? std::min(options.threads, allowed()) : tbb::task_arena::automatic),
@@ -57,7 +57,7 @@ class Workers {
     }
     int workers() const { return lent_ ? lent_->concurrency() : arena_.max_concurrency(); }
 
-    /// True if a task may start a loop.
+    /// True if a task may start a parallel loop.
     bool nests() const { return !lent_; }
 
     /// Runs `function` inside the arena. Parallel loops must be called from there.

@@ -22,14 +22,14 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr std::size_t case_count = 96;  // three warps: one block of each kernel
+constexpr std::size_t case_count = 96;  // three warps, so that each kernel runs as one block
 constexpr std::size_t kinds = 2;        // kinds of feature pairs: vertex_face and edge_edge
 constexpr std::size_t queries = 3;      // near, impacts, impacts with a minimum distance
 using Count = unsigned long long;
 
-/// Decisions about all cases under one policy.
+/// Decisions about all cases for one IntersectionKind.
 struct Decisions {
-    Count* collides;  ///< by triangle: 1 for the first triangle of a colliding case
+    Count* collides;  ///< by triangle: 1 for the first triangle of a colliding case, else 0
     Count* found;
     Pair* beyond;
     Count* unresolved_count;
@@ -62,7 +62,8 @@ struct FeatureResults {
     }
 };
 
-/// All arrays that the kernels read and write, in one block: one copy on the host, one on the device.
+/// All arrays that the kernels read and write, in one block of memory. The block has the same layout on the host and on
+/// the device, so that one copy transfers all arrays.
 struct Arrays {
     Vec3d *start, *end;
     std::int32_t* corners;
@@ -131,7 +132,8 @@ void write_cases(const Arrays& a) {
     std::fill_n(a.test_count, feature_kinds, case_count);
 }
 
-// Launches all kernels. Contacts are computed for every pair: most collide, and the others must have none.
+// Launches all kernels. Computes contacts for every pair: most pairs collide, and for the others the kernel must find
+// no contact.
 void decide_on_device(const Geometry& geometry, cudaStream_t stream, const Arrays& a) {
     const PreparedScene scene = a.scene(false), moving = a.scene(true);
     Sorted sorted{};
@@ -233,7 +235,7 @@ std::string feature_difference(const Arrays& a, std::size_t which) {
 }  // namespace
 
 std::string find_difference_from_host(const Device& device, cudaStream_t stream) {
-    const FloatEnvironment environment;  // for the host's results
+    const FloatEnvironment environment;  // rounding to nearest for the results that the host computes
     Geometry geometry = device.geometry();
     geometry.threads = case_count;
     MemoryMeter unlimited;
@@ -246,7 +248,7 @@ std::string find_difference_from_host(const Device& device, cudaStream_t stream)
     Cutter cutter(image);
     on_host.cut(cutter);
     write_cases(on_host);
-    auto* const copy = reinterpret_cast<std::byte*>(on_device.start);  // the first array
+    auto* const copy = reinterpret_cast<std::byte*>(on_device.start);  // the first array, so the start of the block
     CRUMPLE_CUDA(cudaMemcpyAsync(copy, image, block.capacity(), cudaMemcpyHostToDevice, stream));
     decide_on_device(geometry, stream, on_device);
     CRUMPLE_CUDA(cudaMemcpyAsync(image, copy, block.capacity(), cudaMemcpyDeviceToHost, stream));
@@ -263,7 +265,7 @@ std::string find_difference_from_host(const Device& device, cudaStream_t stream)
 
 namespace {
 
-/// Difference found on each device, by its index; empty if there is none.
+/// Result of find_difference_from_host() by index of the device; empty if no result differs.
 std::mutex differences_mutex;
 std::map<int, std::string> differences;
 

@@ -1,8 +1,10 @@
-// The cuda backend: uploads scenes, downloads results, and synchronizes our stream with those of callers.
+// The cuda backend: uploads scenes, downloads results, and synchronizes its own stream ("our stream") with those of
+// callers.
 //
-// launch() enqueues a whole pass on the caller's stream and returns; wait() reads its counters. At most two launches
-// are in flight (device/launch_queue.h). In a capture the pass becomes part of the caller's graph, and wait() reads the
-// result of its last replay (engine/launches.h).
+// A pass is one run of all stages over a scene (engine/finder.h). launch() enqueues a pass on the caller's stream and
+// returns; wait() waits for the pass and reads its counters. At most two launches are in flight
+// (device/launch_queue.h). If the caller's stream is being captured, the pass becomes part of the caller's graph, and
+// wait() reads the result of that graph's last replay (engine/launches.h).
 
 #include "backends/backend.h"
 
@@ -48,7 +50,7 @@ class CudaBackend final : public BackendBase {
 
     int worlds_at_once() const override { return max_leaves; }
 
-    using BackendBase::find;  // overloads that throw stay visible
+    using BackendBase::find;  // keeps the base class's overloads visible
     void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
               Intersections& result) override {
         on_device(
@@ -122,7 +124,7 @@ class CudaBackend final : public BackendBase {
     }
 
     bool find(const World& world, const IntersectionQuery& query, Intersections& result) override {
-        constexpr int several = 2;  // fewer worlds may fit where these do not
+        constexpr int several = 2;  // any number above 1: memory may suffice for fewer worlds
         return on_device(
             [&] {
                 follow(world.device_poses);
@@ -159,7 +161,8 @@ class CudaBackend final : public BackendBase {
         return launch(stream, stream, bind, true);
     }
 
-    // Completes the result of a launch, or of its last replay, by the work that only the host can do.
+    // Waits for a launch, or reads the last replay of a captured one, and does the work on the result that only the
+    // host can do.
     const DeviceIntersections& wait(LaunchNumber launch) override {
         launches_.check_awaited(launch);
         DeviceIntersections& shown = shown_[launch % most_in_flight];
@@ -219,7 +222,7 @@ class CudaBackend final : public BackendBase {
         result.statistics = finder_.statistics();
     }
 
-    // Finds all pairs of the part's triangles, and drops those that a lower part owns.
+    // Finds all pairs among the triangles of a public part (crumple/part.h), and drops those that another part owns.
     void find_owned(const PreparedScene& scene, IntersectionQuery query, const Levels& levels, Intersections& result) {
         const bool contacts = query.contacts();
         query.output = Output::pairs;
@@ -240,8 +243,9 @@ class CudaBackend final : public BackendBase {
         return finder_.any();
     }
 
-    // Launches the kernels that use their stacks, without work. At the first launch the driver reserves a stack for
-    // every thread that the device can hold (docs/cuda.md): this must happen before lists have taken the memory.
+    // Launches, without work, the kernels that need a stack. At a kernel's first launch the driver reserves a stack for
+    // every thread that the device can hold (docs/cuda.md). That must happen before the lists of later passes take the
+    // memory.
     void reserve_stacks() {
         const Device::Current current(state_.device);
         const cudaStream_t stream = state_.stream.get();
@@ -256,8 +260,8 @@ class CudaBackend final : public BackendBase {
         CRUMPLE_CUDA(cudaStreamSynchronize(stream));
     }
 
-    // Calls work() on the device. For several worlds, turns OutOfDeviceMemory into MemoryMeter::Exceeded: fewer may
-    // fit.
+    // Calls work() with the backend's device as the current one. If `worlds` > 1, turns OutOfDeviceMemory into
+    // MemoryMeter::Exceeded: memory may suffice for fewer worlds.
     template <class Work>
     std::invoke_result_t<Work> on_device(Work work, int worlds = 1) {
         return with_device(state_.device, [&] {
@@ -283,7 +287,8 @@ class CudaBackend final : public BackendBase {
         launches_.finish();
         finder_.bring(scene);
     }
-    // Binds meshes. Work on our stream then waits for the work on the callers' streams.
+    // Binds meshes on the device. Work that is enqueued on our stream from now on waits for the work that the meshes'
+    // streams have so far.
     void view(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
         launches_.finish();
         state_.follow(a.stream, "a mesh's");
@@ -300,7 +305,7 @@ class CudaBackend final : public BackendBase {
     IntersectionFinder finder_{state_};
     PosedWorldCalls worlds_{finder_, state_.stream.get(), state_.meter};
     FeatureCalls features_{state_, launches_};
-    std::array<DeviceIntersections, most_in_flight> shown_;  ///< by number of the launch, modulo most_in_flight
+    std::array<DeviceIntersections, most_in_flight> shown_;  ///< results, by launch number modulo most_in_flight
 };
 
 }  // namespace

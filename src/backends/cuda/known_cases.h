@@ -13,10 +13,10 @@
 namespace crumple::cuda {
 
 struct ComparisonCases {
-    /// Vertices at the start and at the end of the motion, six a case.
+    /// Vertices at the start and at the end of the motion, six per case.
     std::vector<Vec3d> start, end;
-    /// Vertex indices, three a triangle; triangles 2i and 2i + 1 are case i. Vertices replaced by shared ones are not
-    /// referenced.
+    /// Vertex indices, three per triangle; triangles 2i and 2i + 1 are case i. If they share vertices, the second
+    /// triangle refers to vertices of the first, and nothing refers to the vertices that these replace.
     std::vector<std::int32_t> corners;
 
     std::size_t count() const { return corners.size() / 6; }
@@ -25,7 +25,7 @@ struct ComparisonCases {
 /// Returns pseudo-random cases, identical on every machine.
 inline ComparisonCases make_comparison_cases(std::size_t count) {
     std::uint64_t state = 1;
-    const auto below = [&](std::uint64_t n) {  // after Vigna's splitmix64
+    const auto below = [&](std::uint64_t n) {  // pseudo-random integer below n, after Vigna's splitmix64
         std::uint64_t z = state += 0x9e3779b97f4a7c15;
         z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
         z = (z ^ z >> 27) * 0x94d049bb133111eb;
@@ -42,16 +42,16 @@ inline ComparisonCases make_comparison_cases(std::size_t count) {
         const Vec3d u = p[1] - p[0], v = p[2] - p[0];
         std::size_t shared = 0;
         switch (i % 10) {
-            case 0:  // arbitrary
+            case 0:  // triangles that share no vertex
                 break;
-            case 1:  // adjacent
+            case 1:  // triangles that share 1 or 2 vertices
                 shared = 1 + i / 10 % 2;
                 break;
-            case 2:  // adjacent and coplanar
+            case 2:  // triangles that share 1 or 2 vertices, in one plane
                 shared = 1 + i / 10 % 2;
                 for (Vec3d& corner : p) corner.z = 0;
                 break;
-            case 3:  // coplanar
+            case 3:  // triangles in one plane
                 for (Vec3d& corner : p) corner.z = corner.x - 2 * corner.y;
                 break;
             case 4:  // degenerate: collinear corners
@@ -69,7 +69,7 @@ inline ComparisonCases make_comparison_cases(std::size_t count) {
                 for (Vec3d& corner : p)
                     corner = {corner.x + 0x1p-52 * below(4), 0x1p30 * corner.y + below(4), corner.z - 0x1p-40};
                 break;
-            case 8:  // beyond the range of expansions in case 8, otherwise arbitrary
+            case 8:  // for i = 8 beyond the range of expansions, else as in case 0
                 if (i == 8)
                     for (Vec3d& corner : p) corner = 0x1p310 * corner;
                 break;
@@ -82,8 +82,8 @@ inline ComparisonCases make_comparison_cases(std::size_t count) {
             const std::size_t corner = k >= 3 && k - 3 < shared ? k - 3 : k;
             cases.corners.push_back(static_cast<std::int32_t>(6 * i + corner));
             cases.start.push_back(p[k]);
-            // Each corner moves independently: in every third case by integers, in the others by 0.3 of them, so that
-            // the end is rounded.
+            // Each corner moves independently: in every third case by integers, in the others by 0.3 times integers, so
+            // that end positions are rounded.
             const Vec3d way = on_grid(5) - Vec3d{2, 2, 2};
             cases.end.push_back(p[k] + (i % 3 == 0 ? 1 : 0.3) * way);
         }

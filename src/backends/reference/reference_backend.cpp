@@ -1,7 +1,8 @@
 // Brute force, the reference for every other backend: decides all pairs that the pair filter keeps and whose boxes
-// overlap, in rational arithmetic. Shares no filter, no predicate and no subdivision with the others. It shares the
-// backend interface, the pair filter, the ownership of public parts, and the assembly of results with their contacts.
-// One thread, O(m²) box tests for m triangles, about 20 us for each pair whose boxes overlap.
+// overlap, in rational arithmetic. Shares no floating-point filter, no predicate and no subdivision with the other
+// backends. Shares with them the backend interface, the pair filter, the ownership of public parts, and the assembly of
+// results with their contacts. One thread, O(m²) box tests for m triangles, about 20 us for each pair whose boxes
+// overlap.
 
 #include <algorithm>
 

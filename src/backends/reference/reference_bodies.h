@@ -1,6 +1,7 @@
 #pragma once
 
-// Posed bodies of a world, and the pairs that the pair filter keeps: input of brute force for overlaps and containment.
+// Bodies of a world with their poses applied, and the pairs of bodies that the pair filter keeps: input of brute force
+// for overlaps and containment.
 
 #include <array>
 #include <cstdint>
@@ -22,7 +23,7 @@ struct PosedBody {
     std::vector<std::array<std::int32_t, 3>> face;
     std::vector<std::int32_t> name;  ///< by vertex: its representative vertex, the lowest that it is merged with
     std::set<std::int32_t> used;     ///< representatives of vertices that have an edge
-    std::map<Edge, OpenEdge> open;
+    std::map<Edge, OpenEdge> open;   ///< edges that faces traverse more often in one direction than in the other
     Bounds box = no_bounds;
 
     std::array<Vec3d, 3> corners(std::size_t f) const {
@@ -33,7 +34,7 @@ struct PosedBody {
 
 class PosedBodies {
    public:
-    /// `weld`: merges vertices of a shape at equal positions.
+    /// Applies the poses. `weld`: merges vertices of a shape at equal positions.
     PosedBodies(const World& world, const PairFilter& filter, bool weld, MemoryMeter& meter);
 
     const WorldOutline& outline() const { return outline_; }

@@ -13,8 +13,8 @@
 namespace crumple {
 namespace {
 
-/// Returns true if some vertex of body `of` has a winding number other than 0 in `other`, whose surface must be closed.
-/// `weld`: ignores vertices at positions of vertices of `other`.
+/// Returns true if the surface of `other`, which must be closed, winds around some vertex of body `of`. `weld`: ignores
+/// vertices at positions of vertices of `other`.
 bool has_vertex_inside(const PosedBody& of, const PosedBody& other, bool weld, Cancellation& cancellation) {
     const auto is_vertex_of_other = [&](const Vec3d& p) {
         return std::any_of(other.used.begin(), other.used.end(),

@@ -8,8 +8,8 @@
 
 namespace crumple {
 
-/// Finds surfaces that meet by brute force, and bodies inside others by a rational ray from each vertex of bodies whose
-/// surfaces do not meet.
+/// Finds surfaces that meet by brute force. For two bodies whose surfaces do not meet, finds if one is inside the other
+/// by a ray from each of its vertices, in exact arithmetic.
 void find_with_containment_by_brute_force(const World& world, const IntersectionQuery& query, MemoryMeter& meter,
                                           Cancellation& cancellation, Intersections& result);
 

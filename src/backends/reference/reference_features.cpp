@@ -16,13 +16,13 @@ namespace {
 
 using Points = std::vector<std::int32_t>;
 
-// Feature, by its vertices.
+// Vertex, edge or face of the scene.
 struct Feature {
     Points vertices;
     std::int32_t index;
     std::int32_t group;
-    std::set<std::int32_t> names;
-    Vec3d low, high;  ///< box of its swept volume
+    std::set<std::int32_t> names;  ///< representatives of its vertices
+    Vec3d low, high;               ///< box of its swept volume
     double radius = 0;
     bool lone = true;         ///< on no face, and if it is a vertex, on no edge
     std::int32_t owner = -1;  ///< in a part: triangle that owns it
@@ -31,8 +31,8 @@ struct Feature {
 using Ends = std::pair<std::int32_t, std::int32_t>;
 Ends ends_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-// All features of a scene: its faces; edges as listed, or else those of the faces; points as listed, or else the
-// vertices of faces and edges.
+// All features of a scene: its faces; the edges that the caller lists, or else those of the faces; the points that the
+// caller lists, or else the vertices of faces and edges.
 class Everything {
    public:
     std::vector<Feature> vertices, edges, faces;
@@ -80,7 +80,7 @@ class Everything {
     }
 
    private:
-    /// Makes a feature. `face`: the lowest face that has it, or -1.
+    /// Makes a feature. `face`: the lowest face that contains it, or -1.
     Feature feature(Points vertices, std::int32_t index, std::int32_t face) const {
         Feature f{std::move(vertices), index, 0, {}, {}, {}, 0, face < 0};
         if (face >= 0)
@@ -97,8 +97,8 @@ class Everything {
         }
         return f;
     }
-    // Reads the features that the part's triangles own. The owner need not be the lowest triangle of the part that has
-    // the feature.
+    // Reads the features that the part's triangles own. The owner need not be the lowest triangle of the part that
+    // contains the feature.
     void read_part() {
         const SceneFeatures& features = query_.features;
         const auto add = [&](std::vector<Feature>& list, Points vertices, std::int32_t index, std::int32_t owner,
@@ -140,7 +140,7 @@ class Everything {
     std::map<std::int32_t, std::vector<std::size_t>> edges_of_vertex_;
 };
 
-/// Representative vertices that an edge or a face joins to each representative vertex, itself included.
+/// For each representative vertex: the representative vertices that an edge or a face joins to it, itself included.
 using Next = std::map<std::int32_t, std::set<std::int32_t>>;
 
 Next next_of(const Everything& all) {
@@ -217,8 +217,8 @@ class Search {
                 return false;
         return true;
     }
-    // Returns true if the gap exceeds twice the inflation. The factor covers the rounding of the difference, so that
-    // most gaps need no exact arithmetic.
+    // Returns true if the gap from `high` up to `low` exceeds twice the inflation. The first test needs no exact
+    // arithmetic: its factor covers the rounding of the difference.
     bool exceeds_inflation(double low, double high) const {
         if (low <= high) return false;
         if ((low - high) * (1 - 0x1p-50) > 2 * query_.distance) return true;
@@ -254,7 +254,7 @@ class Search {
         pass_on();
     }
 
-    // Returns true if the features are adjacent, or the pair belongs to another part.
+    // Returns true if the features are adjacent, or another part owns the pair.
     bool close_within_part(const Feature& a, const Feature& b) const {
         if (Everything::incident(a, b) || a.owner == b.owner || !levels_.own(a.owner, b.owner)) return true;
         if (!query_.rings) return false;
@@ -264,8 +264,8 @@ class Search {
         });
     }
 
-    // Returns true if boxes prove the features too far apart, which they cannot for a share of the initial distance.
-    // The factor covers the rounding of the difference.
+    // Returns true if the features' boxes prove them farther apart than the requested distance. For a request with a
+    // share of the initial distance, boxes prove nothing. The factor covers the rounding of the difference.
     bool far(const Feature& a, const Feature& b) const {
         for (int axis = 0; axis < 3; ++axis) {
             const double gap = std::max(a.low[axis] - b.high[axis], b.low[axis] - a.high[axis]);
@@ -293,7 +293,7 @@ class Search {
         }
         const MinDistance separation{query_.distance, query_.share, query_.approaching_only};
         const Impact impact = separation.contact_only() ? first_contact(kind, p) : first_approach(kind, p, separation);
-        if (separation.contact_only() && separation.approaching_only && impact.start) return {};  // they touch already
+        if (separation.contact_only() && separation.approaching_only && impact.start) return {};  // cannot come nearer
         return {impact.meets, impact.toi, impact.start};
     }
 

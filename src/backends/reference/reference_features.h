@@ -9,7 +9,8 @@
 
 namespace crumple {
 
-/// Finds all pairs of features. `stream`: receives the rows instead of `result`; or null.
+/// Finds all pairs of features that the request lists. `stream`, if not null, receives the rows while they are found;
+/// the last ones, fewer than a block, stay in `result`.
 void find_features_by_brute_force(const PreparedScene& scene, const FeatureRequest& query, Cancellation& cancellation,
                                   FeatureResult& result, FeatureStream* stream = nullptr);
 

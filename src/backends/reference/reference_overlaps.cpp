@@ -57,7 +57,7 @@ Vec3<Rational> common_area_vector(const std::array<Vec3d, 3>& a, const std::arra
     return area;
 }
 
-/// Corners of a face relative to the origin, and its normal, twice the area in length.
+/// Corners of a face relative to the origin of the sums, and a normal whose length is twice the face's area.
 struct PlacedFace {
     std::array<Vec3<Rational>, 3> corner;
     Vec3<Rational> normal;
@@ -86,7 +86,8 @@ struct CurveSums {
     }
 };
 
-/// Segment in which two faces cross, with its ends; or a link between such segments, without ends.
+/// Segment in which two faces cross, with its ends. Or a link: the crossing of two faces at least one of which is
+/// degenerate. A link has no length and no ends; it connects segments to a curve (results/joined_curves.h).
 struct PlacedSegment {
     Segment segment;
     bool is_link = false;
@@ -111,7 +112,7 @@ PlacedSegment placed(const RationalCrossing& crossing, std::size_t f, std::size_
 
 class BruteForceOverlap {
    public:
-    /// `self`: 0, or the orientation of a body that is both a and b.
+    /// `self`: 0 for two bodies; for the overlap of a body with itself, its orientation, 1 or -1.
     BruteForceOverlap(const PosedBody& a, const PosedBody& b, int self, Cancellation& cancellation)
         : a_(a), b_(b), self_(self), cancellation_(cancellation) {
         std::vector<Vec3d> points = a.point;
@@ -165,7 +166,8 @@ class BruteForceOverlap {
    private:
     using Weights = std::vector<FaceWeights<Rational>>;
 
-    /// Returns the weights of faces before crossings are added: the winding number at the first corner.
+    /// Returns the weights of the faces of `of` before crossings are added: all three are the winding number of `other`
+    /// at the face's first corner. Sets `enclosed` if that number is not 0 for some face.
     Weights uncrossed(const PosedBody& of, const PosedBody& other, Shift shift, bool& enclosed) {
         Weights weights(of.face.size());
         for (std::size_t f = 0; f < of.face.size(); ++f) {
@@ -176,7 +178,7 @@ class BruteForceOverlap {
                 winding += winding_along_ray(scaled(p, exponent_), in_units(other.corners(g), exponent_), shift);
             weights[f].fill(Rational(winding));
             const std::int32_t vertex = of.name[static_cast<std::size_t>(of.face[f][0])];
-            enclosed |= winding != 0 && of.used.contains(vertex);  // an isolated point is no component
+            enclosed |= winding != 0 && of.used.contains(vertex);  // a vertex without an edge does not count
         }
         return weights;
     }

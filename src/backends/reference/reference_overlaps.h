@@ -9,8 +9,9 @@
 namespace crumple {
 
 /// Finds winding numbers by a ray from each vertex, crossings by all pairs of triangles, and integrals over the faces
-/// of both bodies under both shifts. Cost of a pair of bodies: some 100 us for each pair of triangles whose boxes
-/// overlap, and some 10 us for each vertex and each triangle that the ray from it may meet.
+/// of both bodies. Does so twice, with the second body shifted infinitesimally in opposite directions, which decides
+/// ties (docs/overlap.md). Cost of a pair of bodies: some 100 us for each pair of triangles whose boxes overlap, and
+/// some 10 us for each pair of a vertex and a triangle that the vertex's ray may meet.
 void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query, MemoryMeter& meter,
                                   Cancellation& cancellation, Overlaps& result);
 

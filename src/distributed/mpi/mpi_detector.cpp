@@ -66,7 +66,8 @@ struct Fair {
     int place = 0;  ///< index of the rank among those of its machine
 };
 
-// Divides each core by the number of ranks of the machine that may use it, and sums these shares. Collective.
+// Returns the rank's fair number of threads: each core that it may use counts as 1 / (number of ranks of the machine
+// that may use this core). Collective.
 Fair fair_share(MPI_Comm communicator) {
     MPI_Comm machine = MPI_COMM_NULL;
     check_mpi(MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine),
@@ -86,7 +87,8 @@ Fair fair_share(MPI_Comm communicator) {
     return fair;
 }
 
-// Chooses threads and device. Examines the machine only if some rank needs it. Collective.
+// Returns the options with the rank's threads and device chosen. Examines the machine only if some rank needs this.
+// Collective.
 DistributedOptions is_decided(DistributedOptions options, MPI_Comm communicator) {
     Options& own = options.detector;
     const bool chooses_threads = own.threads == 0 && !own.executor;

@@ -2,10 +2,10 @@
 
 // Collective error check: either all ranks continue, or the same Error is thrown on all of them.
 //
-// Between two checks a rank works alone, and may fail; its error is held until the others are ready. Of several errors,
-// the one with the least element index over all ranks is thrown (errors without an element first), then the one that
-// needs most bytes, then that of the least rank. So no rank waits for one that has failed, and the detectors of all
-// ranks remain usable.
+// Between two checks a rank works alone, and may fail; its error is held until the other ranks have finished this work,
+// too. Of several errors, the one with the least element index over all ranks is thrown (errors without an element
+// first), then the one that needs most bytes, then that of the least rank. So no rank waits for one that has failed,
+// and the detectors of all ranks remain usable.
 
 #include <cstdint>
 #include <exception>
@@ -23,9 +23,9 @@ class Agreement {
    public:
     explicit Agreement(Transport& transport) : transport_(transport) {}
 
-    /// Runs work() on this rank. Returns if it has returned on all ranks. An Error that names an element must have its
-    /// number over all ranks (see Share). On its own rank, an exception that is no error, such as an interrupt, is
-    /// rethrown unchanged.
+    /// Runs work() on this rank. Returns once work() has succeeded on all ranks; else throws. An Error that work()
+    /// throws about an element must have the element's number over all ranks (see Share). An exception that is no
+    /// error, such as an interrupt by the user, is rethrown unchanged on the rank where it was thrown.
     template <class Work>
     void operator()(Phase phase, Work work) {
         std::exception_ptr failed;

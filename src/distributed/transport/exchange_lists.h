@@ -33,7 +33,7 @@ inline std::vector<std::int64_t> first_of_each(const std::vector<std::int64_t>& 
 }
 
 /// Sends the vector list(rank) to each rank. `coming` receives the rows of all ranks, those of rank 0 first; it must
-/// have their size. Collective.
+/// already have the right size. Collective.
 template <class Row, class List>
 void exchange_lists(Rounds& rounds, const Traffic& traffic, List list, std::vector<Row>& coming) {
     const std::vector<std::int64_t> first = first_of_each(traffic.in);

@@ -31,7 +31,7 @@ class Hub {
 
     /// Barrier: returns when all ranks have called it.
     void meet();
-    /// Wakes all waiting ranks. Requires the lock.
+    /// Wakes all waiting ranks. The caller must have locked mutex_.
     void notify_change();
     template <class Ready>
     void wait(std::unique_lock<std::mutex>& lock, Ready ready);

@@ -9,7 +9,7 @@
 
 namespace crumple::distribute {
 
-/// Sorts rows by key: O(rows log runs).
+/// Sorts rows by key. Stable. O(rows log runs).
 template <class Row, class Key>
 void merge_runs(std::vector<Row>& rows, Key key) {
     const auto before = [&](const Row& a, const Row& b) { return key(a) < key(b); };

@@ -80,7 +80,7 @@ class Rounds {
     Transport& transport() { return transport_; }
 
    private:
-    // Passes a rank's rows for itself through a buffer that fits into the CPU's cache.
+    // Packs and unpacks a rank's rows for itself, through a buffer that fits into the CPU's cache.
     template <class Row, class Pack, class Unpack>
     void swap_out(int self, std::int64_t count, Pack pack, Unpack unpack) {
         constexpr auto at_once =
@@ -93,7 +93,8 @@ class Rounds {
         }
     }
 
-    // Each pair of ranks has an equal share of a batch, so that both ends know the length of a message.
+    // Returns the maximum number of rows in a message. Each pair of ranks has an equal share of a batch, so that both
+    // ends know the length of a message.
     std::int64_t rows_at_once(std::size_t row_bytes) const {
         const std::int64_t share = std::min<std::int64_t>(bytes_ / transport_.size(), std::int64_t{1} << 30);
         return std::max<std::int64_t>(1, share / static_cast<std::int64_t>(row_bytes));

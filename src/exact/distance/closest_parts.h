@@ -26,8 +26,8 @@ struct TrianglePart {
     }
 };
 
-/// Closest parts of two triangles. They have exactly one pair of closest points: nearly parallel edges are never both
-/// parts, because for these the guess contains at least one vertex.
+/// Closest parts of two triangles. The parts have exactly one pair of closest points: they are never two nearly
+/// parallel edges, because for such edges the guess is always a vertex on at least one side.
 class ClosestParts {
    public:
     /// Constructs the parts that `quick` has found for the triangles a and b.
@@ -60,8 +60,8 @@ class ClosestParts {
     }
     bool second_comes_first() const { return first_.count > second_.count; }
 
-    /// True if both triangles have these parts and their distance is certainly that of the parts: all corners outside
-    /// the parts are certainly farther along the direction in which the parts are closest.
+    /// True if both triangles have these parts and their distance is certainly that of the parts: along the direction
+    /// between the parts' closest points, all other corners are certainly farther from the other triangle.
     bool are_closest_of(const TrianglePoints& a, const TrianglePoints& b) const {
         if (!(error_ < std::numeric_limits<double>::infinity())) return false;
         if (!first_.is_part_of(a) || !second_.is_part_of(b)) return false;

@@ -21,17 +21,17 @@ struct NearestCandidate {
 
 /// The least distance, the first pair of triangles that has it, and their closest points.
 struct LeastDistance {
-    double squared = 0;  ///< rounded to the nearest float64
-    bool within = false;
+    double squared = 0;   ///< rounded to the nearest float64
+    bool within = false;  ///< true if the least distance is at most the radius
     Pair triangles{};
     Witnesses points;
 };
 
 /// Returns the least distance of the candidates, and sorts them. `candidates`: at least one, in any order, including
 /// all pairs of triangles at the least distance. `closest`: the candidate that seems to be the closest. `upper`: an
-/// upper bound on the least distance. If the least distance exceeds the radius, it need not be one; then `within` is
-/// false, and the rest of the result is undefined. `radius`: 0 or more, or infinite. Adds to `rational` the number of
-/// pairs that took rational arithmetic.
+/// upper bound on the least distance, or any number if the least distance exceeds the radius. In the latter case
+/// `within` is false, and the rest of the result is undefined. `radius`: 0 or more, or infinite. Adds to `rational` the
+/// number of pairs that took rational arithmetic.
 LeastDistance decide_nearest(Array<NearestCandidate>& candidates, const NearestCandidate& closest, double upper,
                              double radius, std::int64_t& rational);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Distance of two triangles as sets, and their closest points, in exact arithmetic for every finite float64 coordinate:
-// the reference for all faster versions, and their fallback. Host only.
+// Distance of two triangles as closed sets of points, and their closest points, in exact arithmetic for every finite
+// float64 coordinate: the reference for all faster versions, and their fallback. Host only.
 
 #include <array>
 #include <cstdint>

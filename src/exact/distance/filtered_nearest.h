@@ -24,7 +24,8 @@ class TriangleGap {
     /// Returns an upper bound on the difference between any two of the points.
     double size() const { return size_; }
 
-    /// Gap from the second triangle to the first along g, times the length of g, and a bound on its error.
+    /// Gap from the second triangle to the first along g, times the length of g, and a bound on the error of this
+    /// product.
     struct Along {
         double gap, error;
     };
@@ -92,7 +93,8 @@ class FilteredNearest {
     std::uint8_t type() const { return type_; }
     /// Returns the vector from the second triangle's point to the first one's.
     const Vec3d& direction() const { return direction_; }
-    /// Returns a bound on the distance of direction() from the exact difference of the parts' closest points.
+    /// Returns a bound on the length of the difference between direction() and the exact vector between the triangles'
+    /// closest points; infinite if nothing is proven.
     double error() const { return error_; }
 
    private:

@@ -30,7 +30,7 @@ CRUMPLE_HD inline auto vectors(const FourPoints& x, Difference difference) {
     }
 }
 
-/// Vector that changes linearly from `start` to `end`, each component off by one rounding.
+/// Vector that changes linearly from `start` to `end`. Each component of both has one rounding error.
 struct MovingVector {
     Vec3d start, end;
 
@@ -45,7 +45,8 @@ struct MovingVector {
     CRUMPLE_HD Vec3d at(double t) const { return (1 - t) * start + t * end; }
 };
 
-/// Returns for each component of a x b the sum of both products' magnitudes. a and b must not be negative.
+/// Returns, for each component of a x b, the sum of its two products instead of their difference. Components of a and b
+/// must not be negative.
 CRUMPLE_HD inline Vec3d cross_magnitude(const Vec3d& a, const Vec3d& b) {
     return {a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x};
 }

@@ -24,9 +24,9 @@ int axis_of_common_plane(const FourPoints& points) {
     return -1;
 }
 
-/// Decides the impact of features that stay in a plane perpendicular to an axis and do not touch at the start. One of
-/// them then has a vertex that meets an edge of the other first; and a vertex meets an edge in the plane when the edge
-/// meets the segment that stands on the plane at the vertex.
+/// Decides the impact of features that stay in a plane perpendicular to an axis and do not touch at the start. Their
+/// first contact is then between a vertex of one and an edge of the other. A vertex meets an edge in the plane exactly
+/// when the edge meets a segment through the vertex that is perpendicular to the plane.
 template <FeaturePair pair>
 Impact impact_in_plane(FourPoints points, int axis, ImpactCounts& counts) {
     for (MovingPoint& p : points) p.start[axis] = p.end[axis] = 0;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Decides when two moving features first touch: by float64 where that is a proof, by exact predicates at the start,
-// otherwise by rational arithmetic. Host only.
+// Decides when two moving features first touch: by float64 filters; if these cannot prove a result, by exact predicates
+// for contact at the start, and finally by rational arithmetic. Host only.
 
 #include <cstdint>
 
@@ -11,8 +11,8 @@ namespace crumple {
 
 /// Number of decisions that reached each stage.
 struct ImpactCounts {
-    std::int64_t roots = 0;  ///< not decided by the filters that prove features apart
-    std::int64_t exact = 0;  ///< number of `roots` that took rational arithmetic
+    std::int64_t roots = 0;  ///< decisions left by the filters that prove features apart
+    std::int64_t exact = 0;  ///< of these, decisions that took rational arithmetic
 };
 
 /// Flag: `yes` if filters at least as strong as surely_apart() have been applied already.

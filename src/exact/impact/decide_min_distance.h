@@ -1,7 +1,7 @@
 #pragma once
 
-// Decides when two moving features first come within a minimum distance: by float64 where that is a proof, otherwise by
-// rational arithmetic. Host only.
+// Decides when two moving features first come within a minimum distance: by float64 filters, and if these cannot prove
+// a result by rational arithmetic. Host only.
 
 #include <array>
 #include <cstdint>
@@ -17,12 +17,12 @@ struct MinDistanceCounts {
     std::int64_t rational = 0;
 };
 
-/// True if the rounded time of any impact is certainly after `time`. Cost: 60 ns.
+/// True if these features certainly have no impact whose rounded time is `time` or before. Cost: 60 ns.
 bool surely_later(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const MinDistance& separation,
                   double time);
 
-/// Decides when two features first come within the minimum distance. `points` are in the order of Features. With a
-/// minimum distance of 0 this is an impact, and all features that touch take rational arithmetic.
+/// Decides when two features first come within the minimum distance. `points` are in the order of Features. A minimum
+/// distance of 0 stands for contact; then all features that touch take rational arithmetic.
 Impact decide_min_distance(FeatureKinds kinds, const std::array<MovingPoint, 4>& points, const MinDistance& separation,
                            MinDistanceCounts& counts);
 

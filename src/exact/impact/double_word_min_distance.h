@@ -1,12 +1,13 @@
 #pragma once
 
-// Double-double filter: computes when two moving features first come within a minimum distance, in double words with
-// proven bounds (docs/separation_filters.md). It decides features that come close, after surely_farther.h has advanced
-// to shortly before the contact. Compiled for host and device.
+// Double-double filter: computes when two moving features first come within a minimum distance, in double words
+// (unevaluated sums of two float64 numbers) with proven bounds (docs/separation_filters.md). It decides features that
+// come close, after surely_farther.h has advanced to shortly before the contact. Compiled for host and device.
 //
 // A direction that turns with time proves that the features are farther apart than the minimum distance up to some
 // float64 time, and two of their points prove that they are closer at the next float64. The earlier of these times is
-// then the result, rounded down; no polynomial is needed.
+// then the result, rounded down; no polynomial is needed. Differences and their domain are those of
+// moving_difference.h; the height of a difference is its projection on the direction.
 
 #include "exact/impact/filtered_impact.h"
 #include "exact/impact/min_distance.h"
@@ -48,8 +49,8 @@ class DoubleWordMinDistance {
             if (!farther_between(at_start, 0, at_start, 0, limit)) return {};
             far.any = true;
         }
-        // If features move apart again just before they reach the distance, double words lead past that time, and
-        // float64 continues.
+        // If features move apart again just before they reach the distance, double words prove that they stay apart
+        // until shortly after that time, and float64 continues from there.
         constexpr int most_passes = 2;
         for (int passes = 0;; ++passes) {
             const Shortest before = shortest(far.until);
@@ -63,7 +64,7 @@ class DoubleWordMinDistance {
     }
 
    private:
-    /// Approximately shortest difference, and its parameters in the domain.
+    /// Approximately shortest difference g at some time, and its parameters (s, t) in the domain.
     struct Shortest {
         Vec3dw g;
         DoubleWord s, t;
@@ -85,7 +86,7 @@ class DoubleWordMinDistance {
         return x.w + (scaled(s, x.u) + scaled(t, x.v));
     }
 
-    /// Returns the float64 guess, improved by one step of Newton's method.
+    /// Returns the shortest difference at a time: the float64 guess, improved by one step of Newton's method.
     CRUMPLE_HD Shortest shortest(double time) const {
         const DomainPoint guess = closest<kinds>(rounded_.at(time));
         const Difference<DoubleWord> x = at(time);
@@ -148,8 +149,8 @@ class DoubleWordMinDistance {
         return from;
     }
 
-    /// Computes the limit. Returns false if it is out of range, or a share of a distance that is not known accurately
-    /// enough.
+    /// Computes the limit. Returns false if it is out of range, or if it is a share of the distance at the start and
+    /// this distance is not known accurately enough.
     CRUMPLE_HD bool squared_limit(const MinDistance& separation, const Shortest& at_start, SquaredLimit& limit) const {
         const TwoTerms distance = two_product(separation.distance, separation.distance);
         limit = {distance, distance};
@@ -168,7 +169,8 @@ class DoubleWordMinDistance {
         return limit.low.high >= 0x1p-200 && limit.high.high <= 0x1p200;
     }
 
-    /// Returns a bound on how far g · g is from the squared length of an exact difference in the domain.
+    /// Returns a bound on how far g · g is from the squared length of the difference that exact arithmetic has at some
+    /// point of the domain.
     CRUMPLE_HD double length_error(const Vec3dw& g, double squared) const {
         const double off = word_error * rounded_.size;
         return off * (4 * length_1(high(g)) + 4 * off) + word_error * squared;

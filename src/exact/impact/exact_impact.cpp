@@ -70,8 +70,8 @@ Impact first_root(const Polynomial& p, Touch touch) {
     return {};
 }
 
-/// Returns the impact at the start if the features touch then, otherwise the first impact of smaller features. Rounding
-/// is monotone, so the least of the rounded times is the least time, rounded.
+/// Returns the impact at the start if the features touch then, otherwise the first of the impacts of their vertices and
+/// edges. Rounding is monotone, so the least of the rounded times is the least time, rounded.
 template <class Touch>
 Impact start_or_first_of(Touch touch, std::initializer_list<Impact> smaller) {
     Root start(Dyadic{0, 0});

@@ -1,12 +1,13 @@
 #pragma once
 
-// Float64 filter: computes when two moving features first touch, in float64 and double words with proven bounds;
-// otherwise `unknown`. Results are those of exact_impact.h, bit for bit. Accepts any coordinates; NaN and infinity
-// give `unknown`. Compiled for host and device. The derivation is in docs/motion_filters.md.
+// Float64 filter: computes when two moving features first touch, in float64 and double words with proven bounds; the
+// result is `unknown` if the bounds do not decide. All other results are those of exact_impact.h, bit for bit. Accepts
+// any coordinates; NaN and infinity give `unknown`. Compiled for host and device. The derivation is in
+// docs/motion_filters.md.
 //
-// Roots of the volume are visited in ascending order. Each is isolated by signs, enclosed by Newton's method, and
-// skipped if the features certainly do not touch at that time. If they certainly touch, the enclosure is narrowed, with
-// the volume in double words, until the root can be rounded.
+// The volume (volume.h) is 0 whenever the features touch. Its roots are visited in ascending order. Each is isolated by
+// signs, enclosed by Newton's method, and skipped if the features certainly do not touch at that time. If they
+// certainly touch, the enclosure is narrowed, with the volume in double words, until the root can be rounded.
 //
 // Cost: 60 ns if surely_apart.h decides, 200 ns more with roots at which nothing touches, 400 ns for an impact.
 
@@ -27,7 +28,7 @@ struct FilteredImpact {
 namespace detail {
 
 /// True if all points but `other` stay in one plane perpendicular to an axis at all times, and `other` is certainly not
-/// in it near t. Then the volume is 0 only if the three points are collinear.
+/// in it near t. Then, near t, the volume is 0 only where these three points are collinear.
 CRUMPLE_HD inline bool on_one_line(const FourPoints& points, std::size_t other, double t, double share, double slack) {
     const MovingPoint &p = points[(other + 1) % 4], &q = points[(other + 2) % 4], &r = points[(other + 3) % 4];
     for (int i = 0; i < 3; ++i) {
@@ -65,7 +66,7 @@ CRUMPLE_HD inline int touch(const FourPoints& points, const Approach<pair>& x, d
     const double alpha = forwards * product(w, v), alpha_bound = bound(x.extent_w, x.extent_v);
     const double beta = (pair == FeaturePair::vertex_face ? forwards : -forwards) * product(u, w);
     const double beta_bound = bound(x.extent_u, x.extent_w);
-    // If a value is 0, three of the points are collinear.
+    // If a value is 0, the three points other than `other` are collinear.
     const auto inside = [&](double value, double off, std::size_t other) {
         if (value > off) return 1;
         if (value < -off) return -1;
@@ -82,7 +83,7 @@ CRUMPLE_HD inline int touch(const FourPoints& points, const Approach<pair>& x, d
 
 }  // namespace detail
 
-/// Computes the first impact of features that surely_apart() does not decide. Requires vectors in range.
+/// Computes the first impact of features that surely_apart() does not decide. Requires x.in_range().
 template <FeaturePair pair>
 CRUMPLE_HD inline FilteredImpact first_impact(const FourPoints& points, const Approach<pair>& x, const Volume& volume) {
     if (volume.sign_at_start() == 0) {

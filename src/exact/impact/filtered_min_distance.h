@@ -1,9 +1,9 @@
 #pragma once
 
 // Float64 filter: computes when two moving features first come within a minimum distance, in float64 and double words
-// with proven bounds; otherwise `unknown`. Results are those of exact_min_distance.h, bit for bit. Accepts any
-// coordinates; NaN and infinity give `unknown`. Compiled for host and device. The derivation is in
-// docs/separation_filters.md.
+// with proven bounds; the result is `unknown` if the bounds do not decide. All other results are those of
+// exact_min_distance.h, bit for bit. Accepts any coordinates; NaN and infinity give `unknown`. Compiled for host and
+// device. The derivation is in docs/separation_filters.md.
 //
 // Cost: 70 to 200 ns if the features stay apart, 2 to 4 us to compute a time.
 
@@ -19,7 +19,8 @@ CRUMPLE_HD inline double length_at_start(const MovingDifference<kinds>& x) {
     return (std::sqrt(dot(g, g)) + (16 * 0x1p-53 * x.size + 0x1p-500)) * (1 + 8 * 0x1p-53);
 }
 
-/// Returns the requested minimum distance, the larger one of its two parts, rounded up.
+/// Returns the requested minimum distance, rounded up: the larger of `distance` and the share of the distance at the
+/// start.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline double distance_of(const MinDistance& separation, const MovingDifference<kinds>& x) {
     if (!(separation.share > 0)) return separation.distance;
@@ -36,7 +37,7 @@ CRUMPLE_HD_COLD FilteredImpact double_word_min_distance(const std::array<MovingP
 
 }  // namespace detail
 
-/// True if the rounded time of any impact is certainly after `time`.
+/// True if these features certainly have no impact whose rounded time is `time` or before.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline bool surely_later(const std::array<MovingPoint, 4>& points, const MinDistance& separation,
                                     double time) {

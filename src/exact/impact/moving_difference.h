@@ -44,13 +44,15 @@ inline constexpr std::size_t corners = kinds == FeatureKinds::edge_edge     ? 4
                                        : kinds == FeatureKinds::vertex_edge ? 2
                                                                             : 1;
 
-/// Point of the domain: (s, t) if `inside`, otherwise (s + r ds, t + r dt) on the border, on a side from corner (s, t).
+/// Point of the domain: (s, t) if `inside`; otherwise (s + r ds, t + r dt), which is on a side of the domain that
+/// starts at corner (s, t).
 struct DomainPoint {
     double s = 0, t = 0, ds = 0, dt = 0, r = 0;
     bool inside = false;
 };
 
-/// Returns approximately where the difference is shortest, never far outside the domain despite rounding errors.
+/// Returns approximately the point of the domain at which the difference is shortest. Rounding errors may put it
+/// slightly outside of the domain, but never far.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline DomainPoint closest(const Difference<double>& x) {
     const Vec3d &w = x.w, &u = x.u, &v = x.v;

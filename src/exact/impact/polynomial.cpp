@@ -28,7 +28,7 @@ std::vector<Integer> bernstein(const Polynomial& p) {
     return coefficients;
 }
 
-/// Returns the remainder of p by q times a nonzero number; q is not 0.
+/// Returns the remainder of the division of p by q, times a nonzero number; q is not 0.
 Polynomial pseudo_remainder(const Polynomial& p, const Polynomial& q) {
     std::vector<Integer> rest = p.coefficients();
     const std::vector<Integer>& divisor = q.coefficients();

@@ -3,8 +3,7 @@
 // Univariate polynomials over the integers. Coordinates, normals and volumes of moving points are such polynomials of
 // time.
 //
-// Degrees are at most about six, and only sums and products are computed, so the simplest methods are the fastest. All
-// integer divisions are exact.
+// Degrees are at most about six, so the simplest methods are the fastest. All integer divisions are exact.
 
 #include <span>
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
 
-// Proves that two features touch at the start: because two vertices coincide, or by exact predicates, which need some
-// kilobytes of stack. Compiled for host and device.
+// Decides if two features touch at the start: quickly if two vertices coincide, otherwise by exact predicates, which
+// need some kilobytes of stack. Compiled for host and device.
 
 #include "exact/impact/approach.h"
 
@@ -27,7 +27,7 @@ CRUMPLE_HD inline bool vertices_touch_at_start(const FourPoints& points) {
 }
 
 /// Decides by exact predicates whether the features touch at the start: 1 if they do, -1 if they do not, 0 if a
-/// coordinate is beyond the range of expansions, or points may be on one line.
+/// coordinate is beyond the range of expansions (0, or 2^-300 to 2^300 in magnitude), or if points may be on one line.
 template <FeaturePair pair>
 CRUMPLE_HD_COLD inline int contact_at_start(const FourPoints& points) {
     const Vec3d a = points[0].start, b = points[1].start, c = points[2].start, d = points[3].start;

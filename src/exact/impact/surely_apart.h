@@ -10,8 +10,9 @@
 namespace crumple {
 namespace detail {
 
-/// Returns on which side of the first feature, the face 0, u, v or the edge from 0 to u, the other feature certainly
-/// lies along a line: 1, −1, or 0 if it is not certain. `u`, `v`, `w`: projections of the vectors onto the line.
+/// Returns the side, 1 or −1, on which the other feature certainly lies beyond the first one along a line, or 0 if
+/// neither is certain. `u`, `v`, `w`: projections of the vectors (approach.h) onto the line. The first feature is the
+/// face 0, u, v or the edge from 0 to u.
 template <FeaturePair pair>
 CRUMPLE_HD inline int side(double u, double v, double w, double bound) {
     if constexpr (pair == FeaturePair::vertex_face)  // vertex w and face 0, u, v
@@ -47,8 +48,8 @@ CRUMPLE_HD inline Vec3d end_between_middles(const Approach<pair>& x) {
 }
 
 /// True if a direction perpendicular to an edge separates the features: the vector between their middles at one end of
-/// the motion, without its component along the edge. For features whose volume decides nothing, most of which stay in
-/// one plane.
+/// the motion, without its component along the edge. Meant for features of which the volume decides nothing; most of
+/// these stay in one plane.
 template <FeaturePair pair>
 CRUMPLE_HD inline bool separated_beside_an_edge(const Approach<pair>& x) {
     const auto beside = [&](const Vec3d& way, const Vec3d& edge) {
@@ -62,7 +63,7 @@ CRUMPLE_HD inline bool separated_beside_an_edge(const Approach<pair>& x) {
 
 }  // namespace detail
 
-/// True if the features certainly never touch. Requires vectors in range, and their volume.
+/// True if the features certainly never touch. Requires x.in_range(); `volume` must be that of x.
 template <FeaturePair pair>
 CRUMPLE_HD inline bool surely_apart(const Approach<pair>& x, const Volume& volume) {
     const Vec3d start = detail::start_between_middles(x), end = detail::end_between_middles(x);

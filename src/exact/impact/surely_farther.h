@@ -4,9 +4,11 @@
 // (docs/separation_filters.md). Accepts any coordinates; where nothing is proven, nothing is claimed. Compiled for host
 // and device.
 //
-// A direction is a proof until the least height of the differences along it falls to the distance: each corner's height
-// is linear in time, so if it is above the distance at two times, it is above in between. Then the direction of the
-// shortest difference at that time takes over. Before a contact this is Newton's method from the safe side.
+// The height of a difference is its projection on a direction. A direction proves that the features are farther apart
+// as long as the heights of all corners of the domain (moving_difference.h) exceed the distance: each corner's height
+// is linear in time, so if it exceeds the distance at two times, it does so in between. When the least height falls to
+// the distance, the direction of the shortest difference at that time is used next. These times converge to a contact
+// as in Newton's method, and never pass it.
 
 #include <cmath>
 
@@ -39,7 +41,8 @@ struct MovingDifference {
     }
 };
 
-/// Time up to which the features are certainly farther apart, from the start on; none if `any` is false.
+/// Time up to which, from the start on, the features are certainly farther apart than the distance; there is none if
+/// `any` is false.
 struct FarTime {
     bool any = false;
     double until = 0;
@@ -52,8 +55,8 @@ CRUMPLE_HD inline std::array<double, 4> heights(const Difference<double>& x, con
     return {w, w + u, w + v, w + u + v};
 }
 
-/// Returns the last time after `from` up to which one direction proves that the features are farther apart; `from`
-/// itself if it proves nothing, with `any` true if they are farther apart at `from`.
+/// Returns the last time after `from` up to which one direction proves that the features are farther apart than
+/// `distance`. If the direction proves this at `from` only, returns `from`; if not even there, `any` is false.
 template <FeatureKinds kinds>
 CRUMPLE_HD inline FarTime far_along(const MovingDifference<kinds>& x, const Vec3d& direction, double distance,
                                     double from) {

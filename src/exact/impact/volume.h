@@ -1,8 +1,9 @@
 #pragma once
 
-// Volume f = (u x v) . w of two moving features, which is 0 whenever they touch. It is a cubic in time, represented by
-// its Bernstein coefficients over [0, 1] in float64, with an error bound, and evaluated in double words at single
-// times. Compiled for host and device. Bounds are derived in docs/motion_filters.md.
+// Volume f = (u x v) . w of two moving features, which is 0 whenever they touch; u, v and w are the vectors of
+// approach.h. It is a cubic in time, represented by its Bernstein coefficients over [0, 1] in float64, with an error
+// bound, and evaluated in double words at single times. Compiled for host and device. Bounds are derived in
+// docs/motion_filters.md.
 
 #include "exact/impact/approach.h"
 #include "geometry/double_word.h"

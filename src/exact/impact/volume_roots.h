@@ -8,7 +8,7 @@
 namespace crumple {
 
 namespace detail {
-inline constexpr double underflow = 0x1p-1000;  ///< exceeds the underflow error of times
+inline constexpr double underflow = 0x1p-1000;  ///< exceeds the error of a time that is due to underflow
 }
 
 /// Open interval with exactly one root, which is simple, and the volume at its ends, whose signs are certain.
@@ -36,7 +36,7 @@ class VolumeRoots {
             const int s0 = volume_.sign(c[0]), s1 = volume_.sign(c[1]), s2 = volume_.sign(c[2]),
                       s3 = volume_.sign(c[3]);
             if (s0 == 0 || s3 == 0) return Next::unknown;
-            // By Descartes' rule, whatever the uncertain signs are.
+            // By Descartes' rule, these conclusions hold whatever the uncertain signs are.
             const bool none = s0 == s3 && s0 == s1 && s0 == s2, one = s0 != s3 && (s0 == s1 || s2 == s3);
             if (none || one) {
                 low_ = high;

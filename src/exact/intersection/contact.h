@@ -10,7 +10,8 @@
 namespace crumple {
 
 struct Contact {
-    // Points first: nvcc 13.0 miscompiles copies of a size in front of its array (docs/nvcc_13_0.md).
+    // `points` precedes `count`, because nvcc 13.0 miscompiles copies of structs in which a size precedes its array
+    // (docs/nvcc_13_0.md).
     std::array<Vec3d, 6> points;  ///< ordered as crumple::Contacts says
     int count = 0;                ///< 0: they do not intersect; otherwise 1, 2 or 3 to 6
     bool rational = false;        ///< true if it took rational arithmetic

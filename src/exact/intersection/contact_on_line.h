@@ -18,7 +18,7 @@
 
 namespace crumple {
 
-/// Resolves nothing: for a device, which has no rational arithmetic.
+/// `Exact` for a device, which has no rational arithmetic: resolves nothing.
 struct NothingExact {
     /// Sets the result to the point at which the line through p and q crosses the plane of the triangle, correctly
     /// rounded.
@@ -128,8 +128,8 @@ CRUMPLE_HD bool crossing(const std::array<Vec3d, 3>& corners, const std::array<i
     return true;
 }
 
-/// Sets `result` to true if `end` comes lexicographically before `begin`, which precedes it along the line. Returns
-/// false if `exact` does not resolve that.
+/// Sets `result` to true if `end` comes before `begin` in lexicographic order; along the line, `begin` comes first.
+/// Returns false if `exact` does not resolve that.
 template <class Exact>
 CRUMPLE_HD bool ends_first(const Vec3d& end, const Vec3d& begin, const CommonLine& line, const Exact& exact,
                            bool& result) {

@@ -124,8 +124,8 @@ template <class Signs>
 CRUMPLE_HD_COLD bool degenerate_collide(const Triangle& d, const Marks& shared, const Triangle& t, bool t_degenerate,
                                         bool proper, Signs& signs) {
     const bool neighbours = shared[0] || shared[1] || shared[2];
-    // A segment that crosses the plane of a triangle strictly and contains a corner of that triangle crosses the plane
-    // there.
+    // A segment that crosses a triangle's plane strictly and contains a corner of the triangle crosses the plane at
+    // this corner, and so no interior: a pair that shares a vertex is not proper.
     if (boxes_apart(d, t) || (proper && (t_degenerate || neighbours))) return false;
     const CollinearHull s(d);
     if (!neighbours) {

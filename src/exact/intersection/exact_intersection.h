@@ -8,8 +8,8 @@
 // faces meet in one point only if one of the faces is an edge or a vertex. So the edges of each, clipped by the other,
 // have all extreme points among their ends.
 //
-// This is the reference for all faster decisions: it has no filter, and treats only one case separately, in which all
-// corners of one triangle are strictly on one side of the other's plane. Host only.
+// This is the reference for all faster decisions: it has no filter, and treats only one case separately: all corners of
+// one triangle are strictly on one side of the other's plane. Host only.
 
 #include <array>
 #include <vector>
@@ -39,10 +39,10 @@ struct RationalIntersection {
     bool proper = false;    ///< true if an edge strictly crosses the relative interior of the other triangle
 };
 
-/// Cost: about 20 us for ordinary coordinates.
+/// Computes the intersection. Cost: about 20 us for ordinary coordinates.
 RationalIntersection intersect_rationally(const Triangle& a, const Triangle& b);
 
-/// True if the pair collides under the policies, as the contract defines it.
+/// True if the pair collides under `neighbours` and `intersections`, as docs/contract.md defines it.
 bool collide(const RationalIntersection& intersection, Neighbours neighbours, IntersectionKind intersections);
 
 /// Returns the extreme points, correctly rounded.

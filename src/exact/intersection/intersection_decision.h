@@ -12,7 +12,7 @@
 // Then follow the exact sides of the vertices, by expansions where the filter does not decide, and with them the cases:
 //   - an interval test on the planes' common line, with closed comparisons;
 //   - a shared vertex: both triangles meet the common line in a segment that begins there; only its direction matters;
-//   - a shared edge: only a fold onto itself counts;
+//   - a shared edge: collides only if both triangles lie in one plane, on the same side of the edge (a fold);
 //   - coplanar triangles: the same tests in a projection;
 //   - a degenerate triangle: see degenerate_triangles.h.
 
@@ -45,8 +45,8 @@ CRUMPLE_HD inline bool edge_separates(const Triangle& a, const Triangle& b, cons
 }
 
 /// True if triangles that share corner i of a, which is corner j of b, certainly lie strictly on different sides of a
-/// plane through it. Any plane is valid; this one is normal to the difference of their bisectors, which also separates
-/// the two halves of a cross.
+/// plane through it. Any plane is valid; this one is normal to the difference of the triangles' angle bisectors at the
+/// corner.
 CRUMPLE_HD inline bool middle_separates(const Triangle& a, const Triangle& b, int i, int j) {
     const Vec3d apex = point(a, i);
     const Vec3d a1 = point(a, after(i)) - apex, a2 = point(a, before(i)) - apex;
@@ -60,7 +60,7 @@ CRUMPLE_HD inline bool middle_separates(const Triangle& a, const Triangle& b, in
     return side(a1) == 1 && side(a2) == 1 && side(b1) == -1 && side(b2) == -1;
 }
 
-/// Signs and cases for two nondegenerate triangles.
+/// Decision by cases about two nondegenerate triangles, and the signs that the cases need.
 template <class Signs>
 class Cases {
    public:
@@ -161,7 +161,8 @@ CRUMPLE_HD inline bool degenerate(const Triangle& t, ExactSigns& signs) {
     return collinear(p, q, r, signs);
 }
 
-/// Decides pairs that no plane and no line certainly separates. `certain`: true if all sides are certain.
+/// Decides pairs that the filters of decide() leave. `certain`: true if these filters have decided the sides of all
+/// corners.
 template <class Signs>
 CRUMPLE_HD_COLD Verdict decide_by_cases(const Triangle& a, const Triangle& b, const Sharing& sharing, Sides side_a,
                                         Sides side_b, bool certain, bool proper, Signs& signs) {
@@ -194,8 +195,8 @@ CRUMPLE_HD_COLD Verdict decide_by_cases(const Triangle& a, const Triangle& b, co
 
 }  // namespace detail
 
-/// Decides if the pair collides under the policies, as far as `signs` can resolve it. Needs round-to-nearest without
-/// flush-to-zero.
+/// Decides if the pair collides under `neighbours` and `intersections`, as far as `signs` can resolve it. Needs
+/// round-to-nearest without flush-to-zero.
 ///
 /// With FilteredSigns, for any finite coordinates, `undecided` means that exact arithmetic has to decide. With
 /// ExactSigns, `undecided` means that coordinates are beyond the range of expansions, which never happens for float32,

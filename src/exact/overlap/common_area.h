@@ -3,10 +3,10 @@
 // Computes the area that two coplanar faces have in common, for any type of number that is exact or has an error bound.
 //
 // In a projection of the plane, with both faces counter-clockwise, the boundary of the common area consists of the
-// pieces of each face's edges that lie in the other face. So the area is the sum of the cones from the first corner of
-// a over these pieces. Ties are decided as if b were shifted by (e, e²) in the projection, e → 0+; the area does not
-// depend on this shift. With it, edges that cross do so at one point, and the length of an edge inside the other face
-// is a sum over its crossings, in any order.
+// pieces of each face's edges that lie in the other face. So the area is the sum of the signed areas of the triangles
+// that the first corner of a spans with these pieces (cones). Ties are decided as if b were shifted by (e, e²) in the
+// projection, e → 0+; the area does not depend on this shift. After the shift, edges that cross do so at one point, and
+// the length of an edge inside the other face is a sum over its crossings, in any order.
 
 #include <array>
 #include <cstddef>
@@ -18,7 +18,8 @@
 
 namespace crumple {
 
-/// Projection along an axis, for float64 points in the range of double words.
+/// Projection along an axis, for float64 points in the range of double words: each coordinate is 0 or between 2^-150
+/// and 2^150 in magnitude.
 struct EnclosedProjection {
     int axis;
 
@@ -35,7 +36,8 @@ struct EnclosedProjection {
 
 namespace detail {
 
-/// Returns the side of the line p → q on which a point of this line lies after it is shifted by (e, e²).
+/// Returns the side of the line p → q, 1 (left) or -1, on which a point of this line lies after the point is shifted by
+/// (e, e²).
 template <class Point>
 int sign_on_line(const Point& p, const Point& q, int axis) {
     const int x = first_axis(axis), y = second_axis(axis);
@@ -45,14 +47,15 @@ int sign_on_line(const Point& p, const Point& q, int axis) {
 
 }  // namespace detail
 
-/// Adds twice the common area of the projections of a and b, neither of which may be degenerate, to `sum`. Calls
-/// sum.add(x), and sum.add_part(x, start, end) to add x · start / (start − end).
+/// Adds twice the common area of the projections of a and b, neither of which may be degenerate, to `sum`: calls
+/// sum.add(x) to add x, and sum.add_part(x, start, end) to add x · start / (start − end).
 template <class Projection, class Corners, class Sum>
 void add_common_area(const Projection& projection, Corners a, Corners b, Sum& sum) {
     const std::array<Corners*, 2> faces{&a, &b};
     for (Corners* const face : faces)
         if (projection.sign((*face)[0], (*face)[1], (*face)[2]) < 0) std::swap((*face)[1], (*face)[2]);
-    // sign, side [of][i][j]: side of corner i of face `of` relative to edge j of the other face; 1 is inside.
+    // sign[of][i][j]: side of corner i of face `of` relative to edge j of the other face; 1 is inside, 0 on the edge's
+    // line. side[of][i][j]: the same after the shift, never 0.
     int sign[2][3][3], side[2][3][3];
     for (std::size_t of = 0; of < 2; ++of)
         for (std::size_t j = 0; j < 3; ++j) {
@@ -66,7 +69,7 @@ void add_common_area(const Projection& projection, Corners a, Corners b, Sum& su
             }
             if (apart) return;
         }
-    // Returns the determinant of corner i of face `of` and edge j of the other face.
+    // Returns projection.value() of edge j of the other face and corner i of face `of`.
     using Number = decltype(projection.value(a[0], a[1], a[2]));
     const auto value = [&](std::size_t of, std::size_t i, std::size_t j) {
         if (sign[of][i][j] == 0) return Number(0);

@@ -1,12 +1,13 @@
 #pragma once
 
-// Computes what the segment in which two faces cross contributes to the winding numbers on them, for any type of number
-// that is exact or has an error bound. Compiled for host and device.
+// Computes what the segment in which two faces cross contributes to integrals of winding numbers over these faces, for
+// any type of number that is exact or has an error bound. Compiled for host and device.
 //
-// On a face, the winding number of the other surface is its value at the face's first corner, plus a sum of cones from
-// that corner, each times a jump (docs/overlap.md). Each point at which edge 01 or 12 crosses the other surface adds
-// the cone over the rest of the path along these edges; each segment adds the cone over itself. So each pair of faces
-// contributes independently, in any order.
+// On a face, the winding number of the other surface is a constant, its value at the face's first corner, plus a sum of
+// multiples of indicator functions of cones: triangles that the first corner spans with a segment (docs/overlap.md).
+// The factor is a jump (EdgeJumps). Each point at which edge 01 or 12 crosses the other surface adds the cones over the
+// rest of the path along edges 01 and 12, from that point to corner 2. Each segment adds the cone over itself. So each
+// pair of faces contributes independently, in any order.
 
 #include <array>
 #include <cstddef>
@@ -23,8 +24,8 @@ struct PointInFace {
     Number u{}, v{};
 };
 
-/// Weights of a face's corners: 3 ∫ w φ_k dA / |f|, where w is the winding number, |f| the area of the face, and φ_k
-/// the hat function of corner k. If w is constant on the face, each weight is w.
+/// Weights of a face's corners: 3 ∫ w φ_k dA / |f|, where w is the winding number of the other surface, |f| the area of
+/// the face, and φ_k the hat function of corner k. If w is constant on the face, each weight is w.
 template <class Number>
 using FaceWeights = std::array<Number, 3>;
 
@@ -53,7 +54,7 @@ CRUMPLE_HD PointInFace<Number> on_edge(std::size_t edge, const Number& t) {
     return {Number(0), Number(1) - t};
 }
 
-/// Adds the triangle [p0, x, y], where p0 is the face's first corner.
+/// Adds the contribution of the triangle [p0, x, y], where p0 is the face's first corner, to the weights.
 template <class Number>
 CRUMPLE_HD void add_cone(const PointInFace<Number>& x, const PointInFace<Number>& y, FaceWeights<Number>& weights) {
     const Number share = x.u * y.v - x.v * y.u, u = x.u + y.u, v = x.v + y.v;
@@ -62,7 +63,8 @@ CRUMPLE_HD void add_cone(const PointInFace<Number>& x, const PointInFace<Number>
     weights[2] = weights[2] + share * v;
 }
 
-/// Adds `jump` times the cone over the rest of the path along edges 01 and 12 after a point on it.
+/// Adds the contribution of an edge's crossing at a point: `jump` times the cones over the path along edges 01 and 12
+/// from that point on. For edge 20, which is not on the path, adds nothing.
 template <class Number>
 CRUMPLE_HD void add_edge(std::size_t edge, int jump, const PointInFace<Number>& at, FaceWeights<Number>& weights) {
     if (edge == 0)
@@ -76,8 +78,8 @@ CRUMPLE_HD void add_edge(std::size_t edge, int jump, const PointInFace<Number>& 
 
 }  // namespace detail
 
-/// Computes the ends of the segment and the weights from the jumps. edge_of_a(i) returns the point at which edge i of a
-/// crosses b, and edge_of_b(i) that at which edge i of b crosses a.
+/// Computes the ends of the segment and the weights from crossing.jumps. edge_of_a(i) returns the point at which edge i
+/// of a crosses b, and edge_of_b(i) that at which edge i of b crosses a.
 template <class Number, class EdgeOfA, class EdgeOfB>
 CRUMPLE_HD void add_segment(EdgeOfA edge_of_a, EdgeOfB edge_of_b, Crossing<Number>& crossing) {
     for (std::size_t i = 0; i < 3; ++i) {

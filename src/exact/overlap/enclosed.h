@@ -1,13 +1,15 @@
 #pragma once
 
-// Double words with an error bound that all operations propagate. Compiled for host and device.
+// Double words (unevaluated sums of two float64 numbers, geometry/double_word.h) with an error bound that all
+// operations propagate. Compiled for host and device.
 //
 // The bounds are those of double_word.h, with u = 2^-53: the relative error is at most 3.01 u² for a sum, 7 u² for a
 // product, and 15.01 u² for a quotient. The constants below are at least 6 % larger, and the factor `above` covers all
 // roundings in the computation of a bound. Nothing may overflow, and no product of two parts may underflow.
 //
-// Sums and products of two float64 numbers are exact, and so are quotients without a remainder. So small integers, as
-// in many scenes made by hand, give results with an error bound of 0.
+// Sums and products of two numbers that are single float64 numbers are exact, and so are their quotients if there is no
+// remainder. So coordinates that are small integers, as in many scenes made by hand, give results with an error bound
+// of 0.
 
 #include <cmath>
 #include <limits>
@@ -31,7 +33,7 @@ struct Enclosed {
 };
 
 namespace detail {
-inline constexpr double above = 1 + 0x1p-40;
+inline constexpr double above = 1 + 0x1p-40;  ///< factor that rounds an error bound up
 }
 
 CRUMPLE_HD inline Enclosed operator+(const Enclosed& x, const Enclosed& y) {
@@ -59,7 +61,7 @@ CRUMPLE_HD inline Enclosed operator/(const Enclosed& x, const Enclosed& y) {
     return {quotient, detail::above * (error + (exact ? 0 : 0x1p-102 * std::abs(quotient.high)))};
 }
 
-/// Returns the square root of a positive x. The error bound is infinite unless x is more than twice its error.
+/// Returns the square root of a positive x. The error bound is infinite unless x exceeds twice its own error bound.
 inline Enclosed sqrt(const Enclosed& x) {
     const double root = std::sqrt(x.value.high);
     if (!(x.magnitude() > 2 * x.error)) return {{root, 0}, std::numeric_limits<double>::infinity()};

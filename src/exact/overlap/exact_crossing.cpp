@@ -92,8 +92,8 @@ RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangl
     RationalCrossing crossing;
     crossing.jumps = cross_faces(signs);
     if (!crossing.jumps.segment) return crossing;
-    // The volumes that an edge spans with the edges of a face, divided by `all`, are the barycentric coordinates of the
-    // crossing: each belongs to the corner opposite that edge of the face.
+    // The volume that an edge spans with an edge of the face, divided by `all`, is a barycentric coordinate of the
+    // crossing in the face: that of the corner opposite this edge of the face.
     const auto edge_of_a = [&](std::size_t i) -> EdgeCrossing<Rational> {
         const Integer from = signs.a_distance(i), all = from - signs.a_distance(next_corner(i));
         return {quotient(from, all), {quotient(-signs.volume(i, 2), all), quotient(-signs.volume(i, 0), all)}};

@@ -1,7 +1,8 @@
 #pragma once
 
-// Computes crossings of two faces of closed surfaces under a shift in rational arithmetic, for every finite float64
-// coordinate: the reference for all faster versions, and their fallback. Host only.
+// Computes crossings of two faces of closed surfaces in rational arithmetic, for every finite float64 coordinate: the
+// reference for all faster versions, and their fallback. The second surface is shifted infinitesimally, which decides
+// ties (Shift in face_crossing.h). Host only.
 
 #include <array>
 
@@ -18,8 +19,8 @@ using IntegerTriangle = std::array<Vec3<Integer>, 3>;
 
 using RationalCrossing = Crossing<Rational>;
 
-/// Computes the crossing of a and b, with b shifted. Both triangles must be in the same unit. Cost: about 20 us for
-/// ordinary coordinates.
+/// Computes the crossing of a and b, with b shifted. The integer coordinates of both triangles must be in the same
+/// unit. Cost: about 20 us for ordinary coordinates.
 RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangle& b, Shift shift);
 
 RationalCrossing cross_rationally(const FaceCorners& a, const FaceCorners& b, Shift shift);
@@ -31,7 +32,7 @@ DecidedCrossings decide_crossings(const FaceCorners& a, const FaceCorners& b);
 Rational edge_parameter(const Vec3d& from, const Vec3d& to, const FaceCorners& face);
 
 /// Returns the contribution of a face to the winding number of its surface at p: ±1 if the ray from p along +x meets
-/// the face, otherwise 0. The surface is shifted. Point and face must be in the same unit.
+/// the face, otherwise 0. The surface is shifted, the point is not. The coordinates of both must be in the same unit.
 int winding_along_ray(const Vec3<Integer>& p, const IntegerTriangle& face, Shift shift);
 int winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift);
 

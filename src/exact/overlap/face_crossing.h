@@ -4,11 +4,12 @@
 //
 // The second surface is shifted by (e, e², e³), e → 0+, or by the opposite vector. After the shift, surfaces that meet
 // also cross. The sign of each determinant is that without the shift or, if that is 0, the sign of the first nonzero
-// term of the shift (docs/overlap.md). So the crossings are those of one actual placement in general position.
+// coefficient of its powers of e (docs/overlap.md). So all crossings of one shift are those of one actual placement in
+// general position.
 //
 // An edge p → p' of one surface crosses a face of the other if p and p' are on different sides of the face's plane, and
-// the line p p' passes all three edges of the face on the same side. From p to p', the winding number of the other
-// surface grows by 1 if p is on the outer side, and falls by 1 if p is on the inner side.
+// the line from p to p' passes all three edges of the face on the same side. From p to p', the winding number of the
+// other surface grows by 1 if p is on the outer side, and falls by 1 if p is on the inner side.
 
 #include <array>
 #include <cstddef>

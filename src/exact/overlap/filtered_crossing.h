@@ -1,8 +1,9 @@
 #pragma once
 
-// Double-double filter: computes the crossing of two faces of closed surfaces under a shift. Signs are exact, by
-// filters and expansions; numbers are double words with error bounds. Requires coordinates in the range of double
-// words. If bounds are too wide, exact_crossing.h decides. Compiled for host and device.
+// Double-double filter: computes the crossing of two faces of closed surfaces, with the second one shifted
+// infinitesimally (face_crossing.h). Signs are exact, by filters and expansions (geometry/predicates.h); numbers are
+// double words with error bounds (enclosed.h). Requires coordinates in the range of double words: 0, or between 2^-150
+// and 2^150 in magnitude. If bounds are too wide, exact_crossing.h decides. Compiled for host and device.
 
 #include <array>
 #include <cstddef>
@@ -80,7 +81,8 @@ class FilteredCrossingSigns {
         return tie(detail::first_cross_sign(q[j], q[next_corner(j)], p[i], p[next_corner(i)]));
     }
 
-    /// Returns the corner at which an edge of a (of_b = 0) or b (of_b = 1) crosses the other face exactly, or −1.
+    /// Returns the end of an edge of a (of_b = 0) or b (of_b = 1) that lies exactly in the plane of the other face, or
+    /// −1 if neither end does.
     CRUMPLE_HD int vertex(std::size_t of_b, std::size_t edge) {
         const auto in_plane = [&](std::size_t corner) { return (of_b ? sign_of_b(corner) : sign_of_a(corner)) == 0; };
         if (!tied) return -1;
@@ -132,9 +134,9 @@ namespace detail {
 /// underflow.
 inline constexpr double largest_weight_error = 0x1p-80, least_quotient = 0x1p-250;
 
-/// Flags for an edge p → p' that crosses a face: quantities that are exactly 0 without the shift. If these are set to
-/// 0, a crossing at a vertex or on an edge gets integer coordinates without error, so sums of such coordinates can be 0
-/// with certainty.
+/// Flags for an edge p → p' that crosses a face: true for quantities that are exactly 0 without the shift. If these are
+/// set to 0, a crossing at a vertex or on an edge gets parameters and barycentric coordinates of 0 or 1 without error,
+/// so sums of such numbers can be 0 with certainty.
 struct CertainZeros {
     bool from = false, to = false;                  ///< true if p or p' lies in the plane of the face
     std::array<bool, 3> edge{false, false, false};  ///< true if the edge and edge k of the face are coplanar

@@ -54,7 +54,7 @@ std::optional<RoundedSum> FixedSum::rounded_quotient(std::int32_t divisor) const
 double FixedSum::nearest_quotient(std::int32_t divisor) const {
     FixedSum magnitude = *this;
     const bool negative = magnitude.make_magnitude();
-    // Long division, from the top digit. A nonzero remainder stands for the digits beyond the last one.
+    // Long division, from the top digit. A nonzero remainder stands for the digits of the quotient beyond the last one.
     const auto by = static_cast<std::uint64_t>(divisor);
     std::uint64_t remainder = 0;
     std::size_t top = digits;
@@ -66,7 +66,8 @@ double FixedSum::nearest_quotient(std::int32_t divisor) const {
         if (top == digits && magnitude.digits_[i] != 0) top = i;
     }
     if (top == digits) return 0;
-    // The leading 64 bits. The last of them is also set if any nonzero bit follows, so that they are rounded correctly.
+    // The leading 64 bits of the quotient. The last of them is also set if any nonzero bit follows, so that the
+    // conversion below rounds correctly.
     const auto digit = [&](std::size_t back) {
         return back <= top ? static_cast<std::uint64_t>(magnitude.digits_[top - back]) : 0;
     };

@@ -1,7 +1,8 @@
 #pragma once
 
 // Computes the numbers of an overlap's result from its sums, for any type of sum that can be rounded correctly
-// (docs/overlap.md).
+// (docs/overlap.md). Notation: V is the volume of the overlap, S its area vector, T its torque, and O the origin that
+// the terms of the sums are relative to.
 
 #include <algorithm>
 #include <array>
@@ -15,7 +16,7 @@
 
 namespace crumple {
 
-// Sums of terms relative to the origin O. For a body with itself they are twice as large.
+// Sums of the terms of pair_terms.h. For the overlap of a body with itself they are twice as large as the comments say.
 
 template <class Sum>
 struct VolumeTotals {
@@ -27,7 +28,7 @@ struct VolumeTotals {
         for (std::size_t k = 0; k < 3; ++k) moment[k].add(other.moment[k]);
     }
 };
-/// Sums over the segments of both shifts.
+/// Sums over the segments of both shifts (face_crossing.h): twice those of the mean of both.
 template <class Sum>
 struct CurveTotals {
     std::array<Sum, 3> area;    ///< 4 S
@@ -43,7 +44,7 @@ struct OverlapNumbers {
     Vec3d centroid;     ///< NaN where the volume is 0
     Vec3d area_vector;  ///< correctly rounded
     Vec3d point;        ///< the centroid, or O
-    Vec3d torque;       ///< about exactly this `point`, correctly rounded
+    Vec3d torque;       ///< about `point` as rounded; correctly rounded itself
     Vec3d normal;       ///< NaN where the area vector is 0
     double mean_depth = std::numeric_limits<double>::quiet_NaN();
     double contact_area = 0;  ///< correctly rounded; not computed from these sums
@@ -85,7 +86,8 @@ struct CurveNumbers {
     static Vec3d values(const std::array<RoundedSum, 3>& v) { return {v[0].value, v[1].value, v[2].value}; }
 };
 
-/// Computes the area vector and the torque about `point`. `sums` provides curves(combine, divisor), as for finish().
+/// Computes the area vector and the torque about `point`. `sums` provides curves(combine, divisor), as for finish();
+/// `origin` is O.
 template <class Sums>
 CurveNumbers finish_curves(Sums& sums, const Vec3d& origin, const Vec3d& point) {
     const auto next = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };

@@ -4,8 +4,9 @@
 // All points are relative to the origin O of the sums. Compiled for host and device.
 //
 // The volume is a sum of volumes of cones from O over oriented triangles. Each face counts as often as the winding
-// number at its first corner. In addition, a segment s → e adds triangles on both faces, whose first corners are p and
-// q:
+// number of the other surface at the face's first corner. In addition, a segment s → e in which faces a and b, with the
+// first corners p and q, cross adds the following triangles. The jump is the change of the winding number along the
+// edge on which the segment ends (face_crossing.h).
 //
 //   [p, s, e] on a, [q, e, s] on b
 //   [first corner, x, last corner] times the jump, if the segment ends at x on edge 12 of a face

@@ -9,8 +9,8 @@
 namespace crumple {
 namespace {
 
-/// Rounds numerator / denominator · 2^exponent, with a positive denominator, to 53 bits, or fewer if bits are below
-/// 2^least_unit. Returns the mantissa, and the exponent of its last place.
+/// Rounds numerator / denominator · 2^exponent, with a positive denominator, to 53 bits, or to fewer so that the last
+/// bit is at least 2^least_unit. Returns the mantissa, and the exponent of its last place.
 std::pair<std::int64_t, int> round(const mp::cpp_int& numerator, const mp::cpp_int& denominator, int exponent,
                                    int least_unit) {
     if (numerator == 0) return {0, 0};

@@ -23,9 +23,10 @@ class RationalSum {
     void add_product(const RationalSum& sum, double factor, int times = 1);
 
     /// Returns the sum divided by an integer, rounded to nearest, ties to even. First adds terms rounded to 2^-400 of
-    /// the largest one. That decides unless the sum is almost 0 or almost a tie; only then are terms added exactly.
-    /// Terms with equal odd denominators are merged when added. Cost: some microseconds for each denominator; for ties,
-    /// additions of numbers as long as the product of all denominators.
+    /// the largest one. That decides the result unless the sum is almost 0, or almost midway between two float64
+    /// numbers (a tie); only then are terms added exactly. Terms whose denominators have the same odd part are merged
+    /// when they are added. Cost: some microseconds for each denominator; for ties, additions of numbers as long as the
+    /// product of all denominators.
     RoundedSum rounded_quotient(int divisor, Cancellation& cancellation) const;
     Rational total(Cancellation& cancellation) const;
 
@@ -41,7 +42,8 @@ class RationalSum {
     std::unordered_map<mp::cpp_int, Part> over_;  ///< numerators by odd denominator
 };
 
-/// Sum of square roots of rational numbers, each times a factor that is itself a sum, and not negative.
+/// Sum of square roots of rational numbers, each times a factor that is not negative and is itself a sum of rational
+/// numbers.
 class RootSum {
    public:
     /// Returns the factor of the square root of a positive number, so that the caller can add to the factor.

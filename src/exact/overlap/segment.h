@@ -1,7 +1,8 @@
 #pragma once
 
-// Segments in which faces of two surfaces cross, without coordinates: which edges end on which faces. Sums of any type
-// of number are computed from them. Compiled for host and device.
+// Segments in which faces of two surfaces cross, without coordinates: each end is identified by the edge and the face
+// that cross there. Sums of any type of number are computed from segments. The second surface is shifted
+// infinitesimally, in each of two opposite directions (face_crossing.h). Compiled for host and device.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,21 +15,20 @@ namespace crumple {
 struct SegmentEnd {
     std::uint8_t side = 0;    ///< 0: an edge of a, 1: of b
     std::uint8_t edge = 0;    ///< 01, 12 or 20
-    std::int8_t vertex = -1;  ///< corner of the edge's face at which the end lies exactly, or −1
+    std::int8_t vertex = -1;  ///< corner of the edge's face if the end lies exactly at it, else −1
     std::int8_t jump = 0;     ///< change of the winding number along the edge
 };
 
-/// Segment in which two faces cross. On a, the inside of b's surface is to its left. On b, it is traversed from end to
-/// start.
+/// Segment in which two faces a and b cross. On a, the inside of b's surface is to its left. On b, it is traversed from
+/// end to start.
 struct Segment {
     std::int32_t a = 0, b = 0;  ///< ids of the two faces
     SegmentEnd start, end;
-    bool in_volume = true;  ///< true if it counts in the volume, which uses one shift only
+    bool in_volume = true;  ///< true if it counts in the volume, which is computed for the forward shift only
     std::int8_t times = 1;  ///< number of times that it counts in curves: 2 if both shifts have it
 };
 
-/// Returns the segment in which two faces cross. at_vertex(side, edge) returns the corner at which that edge crosses
-/// exactly, or −1.
+/// Returns the segment in which two faces cross. at_vertex(side, edge) returns the corner for SegmentEnd::vertex.
 template <class AtVertex>
 CRUMPLE_HD Segment segment_of(const FaceCrossing& jumps, AtVertex at_vertex) {
     Segment segment;
@@ -55,7 +55,7 @@ struct DecidedCrossing {
 /// Crossings of two faces under each shift.
 struct DecidedCrossings {
     DecidedCrossing forward, backward;
-    bool tied = false;      ///< true if they may differ
+    bool tied = false;      ///< true if the two crossings may differ
     bool coplanar = false;  ///< true if both faces are nondegenerate and lie in one plane
 };
 

@@ -3,9 +3,10 @@
 // Float64 guess of the closest points of two features, and the bounds on their distance that it proves. Compiled for
 // host and device. The bounds are derived in docs/nearness_algebra.md.
 //
-// The differences between points of one feature and points of the other are w + s u + t v: (s, t) is in the unit square
-// for two edges, in the triangle s, t ≥ 0, s + t ≤ 1 for a vertex and a face, and in a segment or a point of these
-// otherwise. Any such difference is at least as long as the distance, and the distance is at least the least projection
+// The differences between points of one feature and points of the other are w + s u + t v. For a vertex p and a face a
+// b c, w = a - p, u = b - a, v = c - a, and (s, t) is in the triangle s, t ≥ 0, s + t ≤ 1. For edges a b and c d, w = a
+// - c, u = b - a, v = c - d, and (s, t) is in the unit square. For a vertex and an edge t is 0, for two vertices s and
+// t are 0. Any such difference is at least as long as the distance, and the distance is at least the least projection
 // of the differences on any direction. So a guess of the closest points, however obtained, proves an upper and a lower
 // bound, and if it is right, both bounds meet.
 
@@ -20,14 +21,15 @@ enum class Proximity : std::uint8_t { beyond, within, unknown };
 namespace detail {
 
 inline constexpr double near_epsilon = 0x1p-53;
-/// Exceeds by far the underflow error of a sum of products, and is negligible unless numbers are that small.
+/// Exceeds by far the underflow error of a sum of products, and is negligible unless the numbers themselves are as
+/// small.
 inline constexpr double near_slack = 0x1p-1022;
 /// Largest Differences::size. Beyond it products of four numbers might overflow, and nothing is proven.
 inline constexpr double largest_size = 0x1p240;
 
 CRUMPLE_HD inline double within_unit(double x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
 
-/// w, u and v, rounded.
+/// The vectors w, u and v, rounded.
 struct Differences {
     FeatureKinds kinds;
     Vec3d w, u{}, v{};

@@ -3,14 +3,15 @@
 // Enclosure of the squared distance of two features between two numbers that agree in about a hundred bits, and the
 // results that follow from it. Compiled for host and device. The bounds are derived in docs/nearness_algebra.md.
 //
-// The guess of closest_guess.h is used as it is: s and t are float64 numbers, so the squared length of w + s u + t v,
-// evaluated in double words, is an upper bound that errors of the guess do not affect. The squared length f is a
-// quadratic function, so its slopes at (s, t) bound how much smaller it is elsewhere: not at all along a parameter that
-// can only grow and with which f grows, otherwise by at most the square of the slope over the curvature. If the guess
-// is off by rounding errors, so are the slopes, and the loss is of the order of their squares.
+// w, u, v, s and t are those of closest_guess.h, renumbered by seen_from_guess.h. The guess is used as it is: s and t
+// are float64 numbers, so the squared length of w + s u + t v, evaluated in double words, is an upper bound that errors
+// of the guess do not affect. The squared length f is a quadratic function of (s, t), so its slopes at the guess bound
+// how much smaller it is elsewhere: not at all along a parameter that can only grow and with which f grows, otherwise
+// by at most the square of the slope divided by the curvature. If the guess is off by rounding errors, so are the
+// slopes, and the loss is of the order of their squares.
 //
-// With hardly any curvature, as for nearly parallel edges, that is not good enough. Then slopes are evaluated in double
-// words, too, and improve the guess.
+// With hardly any curvature, as for nearly parallel edges, this bound is too large. Then slopes are evaluated in double
+// words, too, and a step of Newton's method improves the guess.
 
 #include <limits>
 
@@ -22,7 +23,7 @@ namespace crumple::detail {
 /// Products of numbers above `least_squared` do not underflow; slopes that underflow are below `slope_slack`.
 inline constexpr double least_squared = 0x1p-400, slope_slack = 0x1p-500;
 
-/// Half a derivative of f, with a bound on its error.
+/// Half a derivative of f with respect to s or t, with a bound on its error.
 struct Slope {
     double value = 0, error = 0;
 
@@ -281,9 +282,9 @@ class Enclosure {
     }
 
     VectorsFromGuess seen_;
-    double s_low_ = 0, t_low_ = 0;  ///< corrections to the guess
+    double s_low_ = 0, t_low_ = 0;  ///< corrections to s and t of the guess
     Vec3dw g_{};                    ///< w + s u + t v
-    double error_ = 0;              ///< bound on the sum of its components' errors
+    double error_ = 0;              ///< bound on the sum of the errors of g_'s components
     Slope along_u_, along_v_;
     double u_length_ = 0, v_length_ = 0, uu_ = 0, uv_ = 0, vv_ = 0;
     double area_ = 0;  ///< lower bound on uu vv - uv²

@@ -1,7 +1,7 @@
 #pragma once
 
-// Batch of static features that are known to be near, in columns for SIMD lanes (squared_distances-inl.h). Values are
-// those of VectorsFromGuess, except that differences are not computed yet.
+// Batch of pairs of static features that are known to be near, in columns for SIMD lanes (squared_distances-inl.h). It
+// holds the points whose differences are the vectors of VectorsFromGuess, and the same s and t.
 
 #include <algorithm>
 #include <cstddef>

@@ -13,7 +13,8 @@ struct Quotient {
     Integer numerator = 0, denominator = 1;
 };
 
-/// Exact distance of one pair of features. Cost: some microseconds for ordinary coordinates, and less for each query.
+/// Exact distance of one pair of features. Cost: some microseconds for ordinary coordinates in the constructor, and
+/// less for each member function.
 class RationalDistance {
    public:
     explicit RationalDistance(const Features& features);

@@ -1,7 +1,8 @@
 #pragma once
 
-// Two features with their points renumbered so that the guess of their closest points is at s = t = 0, at t = 0, or
-// inside the domain: each parameter is either free, or is 0 and can only grow. Compiled for host and device.
+// Two features with their points renumbered so that the guess of their closest points (closest_guess.h) is at s = t =
+// 0, at t = 0, or inside the domain of (s, t). So each parameter is either free to grow and fall, or is 0 and can only
+// grow. Compiled for host and device.
 
 #include "exact/proximity/closest_guess.h"
 #include "exact/proximity/double_word_vec.h"
@@ -30,7 +31,7 @@ CRUMPLE_HD inline Numbering numbering(FeatureKinds kinds, std::uint8_t type) {
                                                 : vertex;
 }
 
-/// Exact w, u and v, and the guess. Two vertices have u = v = 0, a vertex and an edge v = 0.
+/// Exact w, u and v, and s and t of the guess. Two vertices have u = v = 0, a vertex and an edge v = 0.
 struct VectorsFromGuess {
     Vec3dw w{}, u{}, v{};
     double s = 0, t = 0;

@@ -10,7 +10,7 @@
 
 namespace crumple::detail {
 
-/// True if x has no low part and is in the range of expansions.
+/// True if x has no low part and is in the range of expansions: 0, or between 2^-300 and 2^300 in magnitude.
 CRUMPLE_HD inline bool plain(DoubleWord x) { return x.low == 0 && in_expansion_range(x.high); }
 CRUMPLE_HD inline bool plain(const Vec3dw& p) { return plain(p.x) && plain(p.y) && plain(p.z); }
 
@@ -29,8 +29,8 @@ CRUMPLE_HD inline bool is_combination(const VectorsFromGuess& seen, const Vec3dw
     return true;
 }
 
-/// True if the features are closest exactly at the guess, g is the difference there, and `squared` is its square. False
-/// also if numbers are not plain().
+/// True if the features are closest exactly at the guess, g is the exact difference there, and `squared` is the exact
+/// square of its length. Also false if numbers are not plain().
 CRUMPLE_HD_COLD inline bool is_exact(const VectorsFromGuess& seen, const Vec3dw& g, DoubleWord squared) {
     if (!plain(seen.w) || !plain(seen.u) || !plain(seen.v) || !plain(g)) return false;
     if (!in_expansion_range(seen.s) || !in_expansion_range(seen.t) || !is_combination(seen, g)) return false;

@@ -1,8 +1,8 @@
 #pragma once
 
-// Exact definition of a candidate: two boxes, each inflated by r, overlap in real numbers. On each axis, and in either
-// order, that means low - r <= high + r. Rounding is monotone, so unequal rounded sums decide. Equal ones are decided
-// by their rounding errors, which are float64 numbers. Compiled for host and device.
+// Exact test of a candidate: two boxes, each inflated by r, overlap in real numbers. That means low - r <= high + r on
+// each axis, where low is of either box and high of the other. Rounding is monotone, so unequal rounded sums decide. If
+// they are equal, their rounding errors decide, which are float64 numbers. Compiled for host and device.
 
 #include <cmath>
 
@@ -37,7 +37,8 @@ CRUMPLE_HD inline double lost_in_sum(double a, double b) {
     return std::abs(a) < std::abs(b) ? fast_two_sum(b, a).low : fast_two_sum(a, b).low;
 }
 
-/// Returns true if low - r <= high + r, exactly. A sum that overflows compares correctly with any other.
+/// Returns true if low - r <= high + r in real numbers. A sum that overflows to infinity compares correctly with any
+/// other.
 CRUMPLE_HD inline bool reaches(double low, double high, double r) {
     const double from = low - r, to = high + r;
     if (from != to) return from < to;

@@ -1,16 +1,16 @@
 #pragma once
 
-// Record of a triangle in a leaf for candidates: inflated boxes and ids of the features that the triangle owns, seven
-// at most, one per lane.
+// Record of a triangle in a leaf (set of triangles that one sweep searches) for candidates: inflated boxes and ids of
+// the features that the triangle owns, seven at most, one per SIMD lane.
 //
 //   lane    0 1 2      3 4 5    6        7
 //   holds   vertices   edges    face     nothing
 //
-// A coordinate of an inflated box is a key: the sum of coordinate and inflation is rounded, then normalised, taken
+// A bound of an inflated box is stored as a key: the sum of coordinate and inflation is rounded, then normalised, taken
 // relative to the leaf's origin and rounded to float32. Each step is monotone, so unequal keys have the order of the
-// exact sums (box_test.h); equal keys decide nothing. A lane without a box overlaps nothing: that of a feature that
-// another triangle owns, lane 7, and lane 6 of a proxy triangle, which is not a face (scene/scene_features.h). Compiled
-// for host and device.
+// exact sums (box_test.h); equal keys decide nothing. The following lanes hold no box, and overlap nothing: lanes of
+// features that another triangle owns, lane 7, and lane 6 of a proxy triangle, which is not a face
+// (scene/scene_features.h). Compiled for host and device.
 
 #include <cstdint>
 
@@ -81,8 +81,8 @@ struct SharedCorners {
 /// Bounds of a lane that overlaps nothing: its lows are `beyond`, its highs -beyond.
 inline constexpr float beyond = 3e38f;
 
-/// Keys are clamped to this. Normalised coordinates and origins lie within 1 of 0; where exactly an inflated box ends
-/// outside of them does not matter.
+/// Keys are clamped to this magnitude. Normalised coordinates and origins are at most 1 in magnitude, so it does not
+/// matter where exactly an inflated box ends outside of that range.
 inline constexpr double farthest_key = 8;
 
 /// Computes the keys of a corner of an inflated box.

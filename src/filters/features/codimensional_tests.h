@@ -1,8 +1,10 @@
 #pragma once
 
-// Tests of a pair of triangles or proxy triangles in a scene whose features are not plain (SceneFeatures::plain): the
-// tests of tests_of_pair.h, without the faces of proxy triangles and with points in place of vertices, and tests of
-// codimensional edges and points, which proxy triangles own. Compiled for host and device.
+// Tests of a pair of triangles or proxy triangles (degenerate triangles that own edges or points which no triangle
+// owns), for scenes that have proxy triangles or whose points have other indices than their vertices
+// (SceneFeatures::plain() is false). These are the tests of tests_of_pair.h, without the faces of proxy triangles and
+// with point indices instead of vertex indices; and tests of lone edges, which belong to no face, and of lone points,
+// which belong to no face and no edge. Compiled for host and device.
 
 #include <array>
 
@@ -11,8 +13,8 @@
 
 namespace crumple {
 
-/// Lists the vertices that `of` owns against the lone edge that `proxy` owns, if any. Skips a vertex if a test of one
-/// of its edges against the lone edge covers it. At most 3 tests.
+/// Lists tests of the vertices that `of` owns against the lone edge that `proxy` owns, if it owns one. Skips a vertex
+/// if a test of one of its edges against the lone edge covers it. At most 3 tests.
 template <int moments>
 CRUMPLE_HD void list_vertex_edges(const FeatureRecord<moments>& of, const FeatureRecord<moments>& proxy,
                                   const FeatureTable& features, FeatureTest*& next) {
@@ -35,7 +37,8 @@ CRUMPLE_HD void list_vertex_vertices(const FeatureRecord<moments>& a, const Feat
     *next++ = {{min(p, q), max(p, q)}, {v, w, w, w}};
 }
 
-/// Drops tests whose faces are proxy triangles, and replaces vertices by points. `next`: end of the pair's tests.
+/// Drops tests of a vertex and a face whose faces are proxy triangles, and replaces vertex indices by point indices.
+/// `test`: first test of the pair; `next`: end of its tests.
 template <int moments>
 CRUMPLE_HD void keep_faces(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
                            const FeatureTable& features, FeatureTest* test, FeatureTest*& next) {
@@ -54,7 +57,8 @@ CRUMPLE_HD void keep_faces(const FeatureRecord<moments>& a, const FeatureRecord<
     next = kept;
 }
 
-/// Writes all tests of a pair of triangles or proxy triangles, by kind, and advances `next`: by at most 6, 9, 4, and 1.
+/// Writes all tests of a pair of triangles or proxy triangles, and advances `next`, which has an element for each kind:
+/// by at most 6, 9, 4, and 1.
 template <int moments, class Name>
 CRUMPLE_HD void list_codimensional_tests(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
                                          const FeatureTable& features, Name name,

@@ -4,8 +4,9 @@
 // apart. They come between the filter of triangle pairs (separating_direction.h) and the exact decision. Compiled for
 // host and device.
 //
-// A pair is given by the three vectors from its first point to the others at each time sample; each component has one
-// rounding error. Coordinates are at most 1, so nothing overflows; slacks cover underflow.
+// A pair is given by the three vectors from its first point to the others at each time sample (start, and end if
+// features move); each component has one rounding error. Coordinates are at most 1, so nothing overflows; slacks cover
+// underflow. The place of a point is the projection of its vector on a direction.
 
 #include "crumple/features.h"
 #include "filters/features/length.h"
@@ -14,8 +15,8 @@
 
 namespace crumple {
 
-/// Errors of values per unit of their monomials' magnitudes, including the roundings of their comparison: of places on
-/// a direction, of volumes, of normals. `up`: factor that covers the roundings of lengths, products and sums.
+/// Errors of places, volumes and normals, relative to the sum of their monomials' magnitudes; the roundings of a
+/// comparison are included. `up`: factor that covers the roundings of lengths, products and sums.
 inline constexpr float place_error = 10 * unit_roundoff, volume_error = 14 * unit_roundoff,
                        normal_error = 8 * unit_roundoff, up = 1.000002f;
 inline constexpr float place_slack = 1e-30f, volume_slack = 1e-32f;
@@ -24,14 +25,15 @@ template <int moments>
 struct FeatureVectors {
     Vec3f to[moments][3];
 
-    /// Returns bounds on the |components| of vector i at all times.
+    /// Returns upper bounds on the magnitudes of the components of vector i at all times.
     CRUMPLE_HD Vec3f reach(int i) const {
         return moments == 1 ? abs(to[0][i]) : max(abs(to[0][i]), abs(to[moments - 1][i]));
     }
 };
 
 /// Returns the side, 1 or -1, on which the second feature lies beyond the first along a direction, or 0 if there is no
-/// gap of more than `gap`. `place1` to `place3`: places of the points on the direction, relative to the first point.
+/// gap of more than `gap`. `place1` to `place3`: places of the second to the fourth point; that of the first point is
+/// 0.
 template <FeatureKind kind>
 CRUMPLE_HD int side(float place1, float place2, float place3, float gap) {
     if constexpr (kind == FeatureKind::vertex_face) {
@@ -43,7 +45,7 @@ CRUMPLE_HD int side(float place1, float place2, float place3, float gap) {
 }
 
 /// Returns true if a direction separates the features by more than `distance` at each time sample, on the same side.
-/// `reach`: sum of seen.reach() of the three vectors.
+/// `reach`: sum of seen.reach(i) over the three vectors.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD bool separates(const Vec3f& direction, const FeatureVectors<moments>& seen, const Vec3f& reach,
                           float distance) {
@@ -63,13 +65,14 @@ CRUMPLE_HD Vec3f between_middles(const Vec3f (&to)[3]) {
     return to[1] + to[2] - to[0];
 }
 
-/// Returns a share in [0, 1), rounded up; positive shares stay positive.
+/// Returns a share in [0, 1), rounded up to float32; positive shares stay positive.
 CRUMPLE_HD inline float share_to_filter(double share) {
     return share > 0 ? max(static_cast<float>(share) * up, 1e-30f) : 0;
 }
 
-/// Returns an upper bound on the distance at the start: the least distance between two vertices or between the middles.
-/// The vectors compared err by less than 6 u of the sum of all magnitudes.
+/// Returns an upper bound on the features' distance at the start: the least distance between a vertex of one and a
+/// vertex of the other, or between their middles. The vectors compared err by less than 6 u (unit_roundoff) times the
+/// sum of all magnitudes.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD float most_at_start(const FeatureVectors<moments>& seen) {
     const Vec3f(&to)[3] = seen.to[0];
@@ -85,7 +88,7 @@ CRUMPLE_HD float most_at_start(const FeatureVectors<moments>& seen) {
     return std::sqrt(least + least_square) * up + 8 * unit_roundoff * (all.x + all.y + all.z);
 }
 
-/// Return two edges of the face, or both edges, as vectors.
+/// Return vectors along two edges of the face or, for two edges, along these.
 template <FeatureKind kind>
 CRUMPLE_HD Vec3f first_edge(const Vec3f (&to)[3]) {
     return kind == FeatureKind::vertex_face ? to[1] - to[0] : to[0];
@@ -95,7 +98,7 @@ CRUMPLE_HD Vec3f second_edge(const Vec3f (&to)[3]) {
     return to[2] - to[kind == FeatureKind::vertex_face ? 0 : 1];
 }
 
-/// Returns the component of `way` perpendicular to `edge`, times the square of the edge.
+/// Returns the component of `way` perpendicular to `edge`, times the squared length of the edge.
 CRUMPLE_HD inline Vec3f beside(const Vec3f& way, const Vec3f& edge) {
     return dot(edge, edge) * way - dot(way, edge) * edge;
 }
@@ -130,8 +133,8 @@ CRUMPLE_HD bool plane_is_far(const FeatureVectors<1>& seen, float magnitude, flo
     return std::abs(dot(cross(p[0], p[1]), p[2])) > distance * up * most + volume_error * magnitude + volume_slack;
 }
 
-/// Returns true if the features are certainly further apart than `distance` at all times; false decides nothing. Cheap
-/// tests, which find most such pairs.
+/// Returns true if the features are certainly further apart than `distance` at all times; false decides nothing. Uses
+/// cheap tests, which find most such pairs.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD bool surely_far_coarse(const FeatureVectors<moments>& seen, float distance) {
     const Vec3f reach[3] = {seen.reach(0), seen.reach(1), seen.reach(2)};
@@ -148,8 +151,8 @@ CRUMPLE_HD bool surely_far_coarse(const FeatureVectors<moments>& seen, float dis
            separates<kind>(Vec3f{0, 1, 0}, seen, all, distance) || separates<kind>(Vec3f{0, 0, 1}, seen, all, distance);
 }
 
-/// Tries more directions, for pairs that the coarse tests leave. Closest points often lie on an edge, so these
-/// directions are mostly perpendicular to one.
+/// As surely_far_coarse(), but with more directions; for pairs that surely_far_coarse() leaves. Closest points often
+/// lie on an edge, so most of these directions are perpendicular to an edge.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD bool surely_far_fine(const FeatureVectors<moments>& seen, float distance) {
     const Vec3f all = seen.reach(0) + seen.reach(1) + seen.reach(2);

@@ -14,7 +14,8 @@ namespace crumple {
 
 /// Points of two features. vertex_face: the vertex, then the face's corners. edge_edge: a, b of the first edge, then c,
 /// d of the second. vertex_edge: the vertex, a and b of the edge, then b again. vertex_vertex: one vertex, then the
-/// other three times. So the last two look like a vertex and a face that is collapsed to an edge or a point.
+/// other three times. So pairs of the last two kinds look like a vertex and a face that is collapsed to an edge or a
+/// point.
 using FeaturePoints = std::array<MovingPoint, 4>;
 
 /// Returns the trajectory of a vertex, exact: reads the caller's coordinates. Both ends are equal in static scenes.

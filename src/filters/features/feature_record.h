@@ -1,7 +1,7 @@
 #pragma once
 
-// Record of a triangle in a leaf for queries about features: corners at one time sample, or at the start and at the end
-// of a step, and the ids of its features. Compiled for host and device.
+// Record of a triangle in a leaf (set of triangles that one sweep searches) for queries about features: corners at one
+// time sample, or at the start and at the end of a step, and the ids of its features. Compiled for host and device.
 //
 // Corners are relative to the leaf's origin, in rows of four, so that one load yields a coordinate of three corners and
 // of the normal:
@@ -23,7 +23,7 @@ struct alignas(16) FeatureRecord {
     float x[4 * moments], y[4 * moments], z[4 * moments];
     std::int32_t vertex[3];
     std::uint32_t owned;   ///< see SceneFeatures
-    std::int32_t edge[3];  ///< by side; -1: see TriangleEdges
+    std::int32_t edge[3];  ///< edge id by side; for -1 see TriangleEdges
     std::int32_t triangle;
 
     CRUMPLE_HD Vec3f at(int i) const { return {x[i], y[i], z[i]}; }

@@ -7,8 +7,8 @@
 
 namespace crumple {
 
-/// Returns the limit on the distance of a pair of features, as a sum of two: the largest radius of the vertices of each
-/// feature or, if there are no radii, `distance` and 0.
+/// Returns the limit on the distance of a pair of features, as a sum of two terms: for each feature the largest radius
+/// of its vertices or, if `radii` is null, `distance` and 0.
 CRUMPLE_HD inline Reach distance_limit_of(FeatureKind kind, const std::int32_t (&vertex)[4], const double* radii,
                                           double distance, bool strict) {
     if (!radii) return {distance, 0, strict};

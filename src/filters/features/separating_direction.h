@@ -10,12 +10,13 @@
 
 namespace crumple {
 
-/// Error of two compared projections together, as a fraction of the leaf's `reach` (docs/features.md).
+/// Error of two compared projections together, relative to the largest |coordinate| of the leaf's corners
+/// (docs/features.md).
 inline constexpr float projection_error = 20 * unit_roundoff;
 
-/// Returns an upper bound, up to errors of coordinates, on the distance at the start of each feature of a from each one
-/// of b. A vertex is no farther from a face than from its corners, and an edge no farther from an edge than their ends
-/// are from each other.
+/// Returns an upper bound, except for errors of coordinates, on the distance at the start of the two features of each
+/// test of the pair (tests_of_pair.h). A vertex is no farther from a face than from its corners, and an edge no farther
+/// from an edge than their ends are from each other.
 template <int moments>
 CRUMPLE_HD float most_at_start(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b) {
     float square[3][3];
@@ -36,11 +37,12 @@ CRUMPLE_HD float most_at_start(const FeatureRecord<moments>& a, const FeatureRec
     return std::sqrt(most + least_square);
 }
 
-/// Bound that a gap along a direction of length 1 must exceed. For other directions, it is multiplied by their
-/// length(): errors of projections grow with the length, too, and underflows are below 1e-18 times the least length.
+/// Bound that the gap between two triangles along a direction of length 1 must exceed to prove that their features are
+/// further apart than requested. For other directions, the bound is multiplied by their length(), because errors of
+/// projections grow with the length, too; underflow errors are below 1e-18 times the least value of length().
 struct NeededGap {
-    float gap, error;  ///< gap: for the requested distance, errors included; error: the part for errors
-    float share;       ///< or for this share of a pair's own distance at the start, if that is more
+    float gap, error;  ///< gap: bound for the requested distance; error: the part of it that covers errors
+    float share;       ///< requested share of a pair's distance at the start; the larger bound applies
 
     /// `reach`: the leaf's largest |coordinate|. `share`: see share_to_filter().
     CRUMPLE_HD NeededGap(float distance, float reach, float share = 0)
@@ -114,9 +116,9 @@ CRUMPLE_HD bool separates_beside(const CommonCorner& common, const Vec3f& d, con
     return above || below;
 }
 
-/// Returns true if each feature of a is further than the distance that `gap` stands for from each feature of b that is
-/// not incident to it. Tries the direction between the centroids of all corners and, for triangles without a single
-/// common corner, the normals of both at each time sample.
+/// Returns true if each feature of a is further from each feature of b that is not incident to it than the requested
+/// distance. `gap`: NeededGap::of() for the pair. Tries the direction between the centroids of all corners and, for
+/// triangles without a single common corner, the normals of both at each time sample.
 template <int moments>
 CRUMPLE_HD bool surely_apart(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, float gap) {
     const Vec3f between = between_centroids(a, b);

@@ -1,8 +1,8 @@
 #pragma once
 
-// Tests that a pair of triangles stands for: each vertex that one triangle owns against the other's face, and each edge
-// that one owns against each edge that the other owns, except for features with a common vertex. Compiled for host and
-// device.
+// Tests of pairs of features that a pair of triangles stands for: each vertex that one triangle owns against the face
+// of the other, and each edge that one owns against each edge that the other owns, except for features with a common
+// vertex. Each vertex and edge has one owner (scene/scene_features.h). Compiled for host and device.
 
 #include "crumple/features.h"
 #include "crumple/intersections.h"
@@ -44,7 +44,8 @@ CRUMPLE_HD TestsOfPair tests_of_pair(const FeatureRecord<moments>& a, const Feat
     return tests;
 }
 
-/// Writes the vertices of the test of a bit: a vertex and then the face's, or those of an edge of each triangle.
+/// Writes the vertices of the test that a bit of TestsOfPair stands for: the vertex and then the face's vertices, or
+/// the vertices of an edge of a and then of one of b.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD void vertices_of_test(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, unsigned bit,
                                  std::int32_t (&vertex)[4]) {
@@ -60,7 +61,8 @@ CRUMPLE_HD void vertices_of_test(const FeatureRecord<moments>& a, const FeatureR
     }
 }
 
-/// Writes the test of a bit in the order of its decision: the lower edge first, and each edge's lower vertex first.
+/// Writes the test that a bit of TestsOfPair stands for, in the order that the exact decision expects: the lower edge
+/// first, and each edge's lower vertex first.
 template <FeatureKind kind, int moments>
 CRUMPLE_HD void write_test(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, unsigned bit,
                            FeatureTest& test) {

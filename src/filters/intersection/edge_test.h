@@ -1,8 +1,8 @@
 #pragma once
 
-// Second filter of `narrow`, for one pair of records that no plane separates, whose six signs are certain, and that
-// share no vertex. Proof and bound: docs/narrow.md; SIMD counterpart: backends/cpu/intersections/edge_test-inl.h.
-// Compiled for host and device.
+// Second filter of `narrow`, for one pair of records that share no vertex, that no plane separates, and for which it is
+// certain on which side of the other's plane each of the six corners lies. Proof and bound: docs/narrow.md; SIMD
+// counterpart: backends/cpu/intersections/edge_test-inl.h. Compiled for host and device.
 
 #include "exact/intersection/verdict.h"
 #include "filters/intersection/triangle_record.h"
@@ -24,8 +24,8 @@ CRUMPLE_HD constexpr int edge_order(int below_a, int below_b) {
     return p1 | q1 << 2 | r1 << 4 | p2 << 6 | q2 << 8 | r2 << 10;
 }
 
-/// Returns the sign of det(a, b, c) if it is certain, else 0. Each coordinate errs by at most delta beyond its own
-/// rounding.
+/// Returns the sign of det(a, b, c) if it is certain, else 0. Each coordinate errs by at most `delta` in addition to
+/// its own rounding.
 CRUMPLE_HD inline int determinant_sign(const Vec3f& a, const Vec3f& b, const Vec3f& c, float delta) {
     const Vec3f plus{b.y * c.z, b.z * c.x, b.x * c.y}, minus{b.z * c.y, b.x * c.z, b.y * c.x};
     const float value = dot(a, plus - minus), permanent = dot(abs(a), abs(plus) + abs(minus));
@@ -37,8 +37,9 @@ CRUMPLE_HD inline int determinant_sign(const Vec3f& a, const Vec3f& b, const Vec
 }
 
 /// Decides whether the pair collides, if the bounds allow it. `below_a`: bits of b's corners below a's plane;
-/// `below_b`: bits of a's corners below b's plane; `reach`: the leaf's largest |coordinate|. Intervals that overlap
-/// mean a proper intersection unless they are equal, so with `proper` hits stay undecided.
+/// `below_b`: bits of a's corners below b's plane; `reach`: the leaf's largest |coordinate|. The triangles meet the
+/// common line of their planes in two intervals. If these overlap, the intersection is proper unless the intervals are
+/// equal, which this test cannot exclude; so with `proper` hits stay undecided.
 CRUMPLE_HD inline Verdict edge_test(const Record& a, const Record& b, unsigned below_a, unsigned below_b, float reach,
                                     bool proper) {
     const int order = edge_order(static_cast<int>(below_a), static_cast<int>(below_b));

@@ -19,11 +19,12 @@ inline NarrowPolicy policy_of(Neighbours neighbours, IntersectionKind intersecti
     return {neighbours == Neighbours::skip, intersections == IntersectionKind::proper};
 }
 
-/// Sides on which the corners of a pair lie, 1 bit per corner.
+/// Sides of the other triangle's plane on which the corners of a pair of triangles a and b lie, 1 bit per corner.
 struct PairSigns {
-    unsigned above_a = 0, below_a = 0;    ///< b's corners relative to a's plane, if certain
-    unsigned above_b = 0, below_b = 0;    ///< a's corners relative to b's plane, if certain
-    unsigned shared_a = 0, shared_b = 0;  ///< corners of a that b has, too; corners of b that a has, too
+    unsigned above_a = 0, below_a = 0;  ///< b's corners relative to a's plane, if certain
+    unsigned above_b = 0, below_b = 0;  ///< a's corners relative to b's plane, if certain
+    /// Corners of a that are also corners of b, and corners of b that are also corners of a.
+    unsigned shared_a = 0, shared_b = 0;
 
     /// True if each corner of one triangle is a corner of the other.
     CRUMPLE_HD bool all_shared() const { return shared_a == 7 || shared_b == 7; }
@@ -52,7 +53,8 @@ CRUMPLE_HD inline PairSigns pair_signs(const Record& a, const Record& b) {
     return s;
 }
 
-/// Means to decide a pair: none needed (apart, hit), the edge test (edge), or only the separating tests (open).
+/// Next step for a pair: none, because it is decided (apart, hit); the edge test (edge); or only the separating tests
+/// (open).
 enum class PairKind : std::uint8_t { apart, hit, edge, open };
 
 CRUMPLE_HD inline PairKind classify(const PairSigns& s, const NarrowPolicy& policy) {
@@ -66,7 +68,8 @@ CRUMPLE_HD inline PairKind classify(const PairSigns& s, const NarrowPolicy& poli
         return PairKind::apart;
     const bool certain = ((s.above_a | s.below_a | s.shared_b) & (s.above_b | s.below_b | s.shared_a)) == 7;
     if (!neighbours) return certain ? PairKind::edge : PairKind::open;
-    // A common segment that starts at the shared vertex may cross no interior, so for `proper` these pairs stay open.
+    // A common segment that starts at the shared vertex may end where two edges meet, so that no edge crosses an
+    // interior. So for `proper` these pairs stay open.
     if (!certain || policy.proper || !single(s.shared_a) || !single(s.shared_b)) return PairKind::open;
     const bool a1 = s.below_b & next_corner(s.shared_a), b1 = s.below_a & next_corner(s.shared_b);
     return a1 != b1 ? PairKind::hit : PairKind::apart;

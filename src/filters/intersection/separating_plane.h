@@ -1,8 +1,9 @@
 #pragma once
 
-// Edge lines and planes that certainly separate two triangles, except for their shared corners: the flat test and the
-// separating tests of `narrow` for one pair. Claims and bounds: docs/narrow.md; SIMD counterparts:
-// backends/cpu/intersections/flat_test-inl.h and separating_plane-inl.h. Compiled for host and device.
+// Edge lines (lines through an edge, in a projection along an axis) and planes that certainly separate two triangles,
+// except for their shared corners: the flat test and the separating tests of `narrow` for one pair. Claims and bounds:
+// docs/narrow.md; SIMD counterparts: backends/cpu/intersections/flat_test-inl.h and separating_plane-inl.h. Compiled
+// for host and device.
 
 #include "filters/intersection/triangle_record.h"
 #include "geometry/point_rows.h"
@@ -16,7 +17,7 @@ struct FlatTriangle {
     unsigned shared;
 };
 
-/// Error of differences of coordinates beyond their own rounding, and a slack that covers underflow.
+/// Error of differences of coordinates in addition to their own rounding, and a slack that covers underflow.
 template <class T>
 struct FlatError {
     T delta, tiny;
@@ -66,9 +67,9 @@ CRUMPLE_HD bool edge_lines_separate(const Vec3<T> a[3], unsigned shared_a, const
     return edge_line_separates(flat_a, flat_b, e) || edge_line_separates(flat_b, flat_a, e);
 }
 
-/// Returns true if an edge line separates a pair in float32. Reads corners from the normalised rows if these are
-/// float32, and so exact; otherwise from the records, whose corners were rounded when the leaf's origin was subtracted.
-/// At least one corner of each triangle must not be shared.
+/// Returns true if an edge line separates a pair in float32. Reads corners from `points` if these are float32 and so
+/// exact; otherwise from the records, whose corners were rounded when the leaf's origin was subtracted. At least one
+/// corner of each triangle must not be shared.
 CRUMPLE_HD inline bool separated_in_float(const Record& a, const Record& b, unsigned shared_a, unsigned shared_b,
                                           const PointRows& points, float reach) {
     const auto corner = [&](const Record& r, int k) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Record of a triangle in a leaf, for the intersection filters of `narrow` (docs/narrow.md). Compiled for host and
-// device.
+// Record of a triangle in a leaf (set of triangles that one sweep searches), for the intersection filters of `narrow`
+// (docs/narrow.md). Compiled for host and device.
 //
 // A Record is one cache line, transposed so that a load of four floats is one coordinate of three corners and of the
 // normal:
@@ -23,20 +23,21 @@ namespace crumple {
 /// Planes are scaled by 1 / (plane_bound u reach), the inverse of the error of n . p - c (docs/narrow.md).
 inline constexpr float plane_bound = 28;
 
-/// Slacks of the filters that cover underflow and subnormal numbers taken as zero (docs/narrow.md): in the sum that a
-/// plane is divided by, in a determinant, in a turn; in float64, for rows of float32 or of float64.
+/// Slacks of the filters that cover underflow and subnormal numbers taken as zero (docs/narrow.md): for the sum that
+/// plane_normal() divides by, for a determinant, and for a turn; in float64, for normalised vertices stored as float32
+/// or as float64.
 inline constexpr float plane_slack = 1e-28f, determinant_slack = 1e-34f, turn_slack = 1e-35f;
 inline constexpr double float32_rows_slack = 1e-35, float64_rows_slack = 1e-290;
 
-/// Errors of the filters' values per unit of their monomials' magnitudes: of a determinant of relative corners, of a
-/// turn in projection and, in float64, of a plane's value (docs/narrow.md).
+/// Errors of the filters' values, relative to the sum of their monomials' magnitudes (docs/narrow.md): of a determinant
+/// of relative corners, of a turn in projection and, in float64, of the value n . p - c of a plane at a point.
 inline constexpr float determinant_error = 10 * unit_roundoff;
 template <class T>
 inline constexpr T turn_error = static_cast<T>(6 * (sizeof(T) == 4 ? 0x1p-24 : 0x1p-53));
 inline constexpr double plane_error = 10 * 0x1p-53;
 
-/// Returns how far a coordinate of a difference of two relative corners errs beyond its own rounding: each corner was
-/// rounded when the leaf's origin was subtracted.
+/// Returns how far a coordinate of a difference of two relative corners errs in addition to its own rounding, because
+/// each corner was rounded when the leaf's origin was subtracted. `reach`: the leaf's largest |coordinate|.
 CRUMPLE_HD constexpr float corner_error(float reach) { return 2.1f * unit_roundoff * reach; }
 
 struct alignas(64) Record {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Surfaces of the bodies of worlds, which must be closed if a winding number is needed: for queries about bodies inside
-// others.
+// Surfaces of the bodies of worlds, for queries about bodies inside others. A surface must be closed if its winding
+// number is needed.
 //
 //   shapes --> surfaces: closed?, components, boxes; cached
 //   bodies --boxes of surfaces under their poses--> selected pairs whose boxes overlap
@@ -34,7 +34,7 @@ class ClosedBodies {
     void release();
 
     const WorldOutline& outline() const { return outline_; }
-    /// Returns a box of a body's vertices; slightly too large.
+    /// Returns a box that contains a body's posed vertices; it is not tight.
     const Bounds& box(std::int32_t body) const { return near_.box(body); }
     const ClosedSurface& surface(std::int32_t body) const { return surface_of(body).closed; }
     bool is_closed(std::int32_t body) const { return surface(body).closed(); }
@@ -42,17 +42,18 @@ class ClosedBodies {
     int orientation(std::int32_t body) const { return orientation_of(outline_.placement(body)) < 0 ? -1 : 1; }
 
     /// Returns the pairs of bodies that the filter selects and whose boxes overlap, sorted: of different bodies, and
-    /// with `self` also of bodies with themselves. If a surface is not closed, tight boxes of the posed vertices are
-    /// used.
+    /// with `self` also of bodies with themselves. If one of the two surfaces is not closed, the tight boxes of the
+    /// posed vertices must overlap, so that fewer open surfaces are errors.
     Array<BodyPair> near_pairs(bool self) const;
-    /// Returns the bodies of these pairs whose surfaces are not closed, ascending. For OpenSurfaces::error throws Error
-    /// (invalid_argument) about the first one instead; `query`: the query whose options the message names.
+    /// Returns the bodies in `pairs` whose surfaces are not closed, ascending. If `open` is OpenSurfaces::error and
+    /// there are any, throws Error (invalid_argument) about the first one; `query`: name of the query whose options the
+    /// message mentions.
     std::vector<std::int32_t> open_bodies(std::span<const BodyPair> pairs, OpenSurfaces open, const char* query) const;
 
     /// Returns the surface of a body under its pose; `points` gets the posed vertices and must outlive the result.
     /// O(vertices).
     PlacedSurface place(std::int32_t body, Array<Vec3d>& points) const;
-    /// Returns a metered array for the points of place().
+    /// Returns an empty array, counted by the meter, for the points of place().
     Array<Vec3d> metered_points() const { return Array<Vec3d>(&meter_); }
 
    private:

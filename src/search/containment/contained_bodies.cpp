@@ -25,7 +25,8 @@ std::int32_t world_of(const WorldOutline& outline, const BodyPair& pair) {
     return world < 0 ? outline.worlds() : world;
 }
 
-/// Returns the index of the flag that each pair decides: its own, that of its world, or the only one.
+/// Returns for each pair the index of the flag that it decides: by `output`, the pair's own flag, that of its world, or
+/// the only flag.
 std::vector<std::size_t> slots_of(const WorldOutline& outline, std::span<const BodyPair> pairs, Output output) {
     std::vector<std::size_t> slots(pairs.size(), 0);
     for (std::size_t i = 0; i < pairs.size() && output != Output::any; ++i)
@@ -52,7 +53,7 @@ void ContainedBodies::add(ParallelFor& workers, std::span<const BodyPair> pairs,
     std::vector<std::atomic<bool>> is_decided(1 + *std::max_element(slot.begin(), slot.end()));
     std::vector<std::atomic<bool>> contained(pairs.size());
     Casts casts = casts_of(workers, pairs);
-    std::vector<std::size_t> first;  // first ray of each body that rays are cast through
+    std::vector<std::size_t> first;  // index of the first ray through each body
     for (std::size_t i = 0; i < casts.size(); ++i)
         if (i == 0 || casts[i].through != casts[i - 1].through) first.push_back(i);
     first.push_back(casts.size());
@@ -98,7 +99,8 @@ ContainedBodies::Casts ContainedBodies::casts_of(ParallelFor& workers, std::span
     return all;
 }
 
-// A component with a vertex outside of the other's box is outside: it needs no ray.
+// Adds the rays of one pair from body `of` through the faces of body `through`. A component with a vertex outside of
+// the box of `through` lies outside, and needs no ray.
 void ContainedBodies::add_casts(std::int32_t of, std::int32_t through, std::size_t pair, Casts& casts) const {
     if (!bodies_.is_closed(through)) return;
     if (weld_ && add_casts_between_welded(of, through, pair, casts)) return;
@@ -116,7 +118,7 @@ void ContainedBodies::add_casts(std::int32_t of, std::int32_t through, std::size
     }
 }
 
-// Returns false, and adds no rays, if the bodies have no vertex in common.
+// Adds the rays for welded bodies. Returns false, and adds no rays, if the bodies have no vertices at equal positions.
 bool ContainedBodies::add_casts_between_welded(std::int32_t of, std::int32_t through, std::size_t pair,
                                                Casts& casts) const {
     const Array<Vec3d> own = vertices_in(of, bodies_.box(through)), others = vertices_in(through, bodies_.box(of));

@@ -1,14 +1,15 @@
 #pragma once
 
-// Finds pairs of bodies of which one has a component inside the other, if their surfaces do not meet: by a ray from a
-// vertex of each component that lies in the other's box.
+// Finds pairs of bodies of which one has a component inside the other, among pairs whose surfaces do not meet. For each
+// component of one body that lies in the box of the other body, casts a ray from one of its vertices.
 //
 //   pairs of bodies --components, boxes--> rays, by the body through whose faces they are cast
 //   each such body, on one worker: posed vertices, all its rays at once --> flags of pairs
 //
-// Then winding numbers are constant on each component, with one exception: with welding, surfaces also do not meet if
-// they have only merged vertices, and edges and faces between these, in common. Such vertices may divide a component,
-// so a ray starts from each of its other vertices.
+// One ray suffices for a component, because the winding number of a surface that it does not meet is constant on it.
+// There is one exception: with welding, surfaces do not count as meeting if they have only merged vertices, and edges
+// and faces between these, in common. Such vertices may divide a component, so a ray starts from each of its other
+// vertices.
 
 #include <cstdint>
 #include <span>
@@ -21,8 +22,8 @@
 
 namespace crumple {
 
-/// Removes pairs that cannot change a result of intersections with this output: `any`, `any_by_world` or `body_pairs`.
-/// The surfaces of the remaining pairs do not meet.
+/// Removes the pairs that cannot change the result `found` of a search for intersections, whose output is `any`,
+/// `any_by_world` or `body_pairs`. The surfaces of the remaining pairs do not meet.
 void leave_undecided(const WorldOutline& outline, Output output, const Intersections& found, Array<BodyPair>& pairs);
 
 class ContainedBodies {
@@ -31,8 +32,8 @@ class ContainedBodies {
     ContainedBodies(MemoryMeter& meter, Cancellation& cancellation, const ClosedBodies& bodies, bool weld)
         : meter_(meter), cancellation_(cancellation), bodies_(bodies), weld_(weld) {}
 
-    /// Adds to the result those of the pairs, filtered by leave_undecided(), of which one body has a component inside
-    /// the other.
+    /// Adds to the result each of `pairs` of which one body has a component inside the other. Call leave_undecided() on
+    /// the pairs first.
     void add(ParallelFor& workers, std::span<const BodyPair> pairs, Output output, Intersections& result) const;
 
    private:

@@ -12,17 +12,17 @@
 
 namespace crumple {
 
-/// True if all coordinates are 0 or in the range of double-double arithmetic.
+/// True if all coordinates are 0 or have a magnitude in the range of double-double arithmetic, 2^-150 to 2^150.
 inline bool in_double_word_range(const Vec3d& p) {
     for (int axis = 0; axis < 3; ++axis)
         if (p[axis] != 0 && !(std::abs(p[axis]) >= 0x1p-150 && std::abs(p[axis]) <= 0x1p150)) return false;
     return true;
 }
 
-/// Posed surface; a view.
+/// View of a surface under a body's pose.
 struct PlacedSurface {
     const ClosedSurface* surface = nullptr;
-    const Vec3d* points = nullptr;  ///< posed position of each vertex
+    const Vec3d* points = nullptr;  ///< posed position of each vertex; not owned
     Bounds box = no_bounds;
     bool in_range = true;  ///< true if all points are in the range of double-double arithmetic
 

@@ -19,8 +19,9 @@ struct WindingRay {
     std::int32_t winding;  ///< sum over the faces tested so far; initially 0
 };
 
-/// Adds to each ray the winding number of a shifted surface at the ray's start, and reorders the rays. Cost:
-/// for each face the logarithm of the number of rays, plus the candidate rays.
+/// Adds to each ray the winding number at its start of a surface that is shifted infinitesimally
+/// (exact/overlap/face_crossing.h). Reorders the rays. Cost: O((m + n) log n + k) for m faces, n rays, and k pairs of a
+/// face and a ray that overlap in y.
 void cast(std::span<WindingRay> rays, const PlacedSurface& surface, Shift shift, Cancellation& cancellation);
 
 }  // namespace crumple

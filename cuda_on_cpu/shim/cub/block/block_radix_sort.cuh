@@ -35,7 +35,7 @@ class BlockRadixSort {
     void SortDescending(Key (&keys)[N], Value (&values)[N], int begin = 0, int end = bits) {
         sort(keys, values, begin, end, true, false);
     }
-    /// Afterwards thread t holds items t, t + threads, t + 2 threads, ...
+    /// Sorts. Afterwards thread t holds items t, t + threads, t + 2 threads, ...
     void SortBlockedToStriped(Key (&keys)[N], int begin = 0, int end = bits) {
         sort(keys, nullptr, begin, end, false, true);
     }

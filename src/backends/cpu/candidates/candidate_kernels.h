@@ -20,18 +20,19 @@ namespace crumple::cpu {
 /// End of each kind's list, where the next pair is written.
 using PairEnds = std::array<Pair*, candidate_kinds>;
 
-/// Schedule of tests between the features of a row and of a column, in rounds: in each round, every lane of the column
-/// is tested against one lane of the row, or against lane 7, which overlaps nothing. Together, the rounds test all
-/// pairs of the requested kinds. Bit 8 j + l stands for lane l of the column in round j.
+/// Schedule of tests between the features of two triangles, a row and a column of the sweep. A lane of a triangle's
+/// CandidateRecord has one of its features. In each round, every lane of the column is tested against one lane of the
+/// row, or against lane 7, which overlaps nothing. Together, the rounds test all pairs of the requested kinds. In masks
+/// of tests, bit 8 j + l stands for lane l of the column in round j.
 struct Rounds {
     static constexpr int most = 7;
     int count = 0;
-    std::uint8_t row[most][candidate_lanes];
+    std::uint8_t row[most][candidate_lanes];  ///< by round and lane of the column: lane of the row
 
     /// Pair of features that a bit stands for.
     struct Listed {
         std::uint8_t kind, row, column;   ///< kind of the pair, and its lanes
-        bool column_first, lesser_first;  ///< first feature of the pair: the column's; the lower id; else the row's
+        bool column_first, lesser_first;  ///< the column's feature, or the lower id, comes first; else the row's does
     };
     Listed listed[8 * most] = {};
     /// Bits of the pairs of features with a common vertex, indexed by SharedCorners::bits().
@@ -53,19 +54,20 @@ inline void list_pairs(std::uint64_t bits, const Rounds& rounds, const Candidate
     }
 }
 
-/// Pairs of features of a row and a column that may or may not overlap: equal keys of their boxes decide nothing.
+/// Pairs of features of a row and a column whose boxes may or may not overlap: some of their rounded coordinates (keys,
+/// candidate_record.h) are equal, which decides nothing.
 struct UnsureHit {
-    std::uint64_t bits;
+    std::uint64_t bits;         ///< see Rounds
     std::uint16_t row, column;  ///< as in CandidateChunk
 };
 
 struct CandidateKernels {
     static constexpr std::int64_t most = 256;  ///< number of candidates per call
 
-    /// Tests the candidates [begin, end). Appends the pairs of features that certainly overlap, and are not incident,
-    /// to the lists that end at `next`, and advances it. Writes candidates with uncertain pairs to `unsure`, and
-    /// returns their number. `record`: by physical row. May write one more element of `unsure`, and eight more pairs of
-    /// each kind.
+    /// Tests the candidates [begin, end). Appends the pairs of features whose boxes certainly overlap, and which are
+    /// not incident, to the lists that end at `next`, and advances `next`. Writes candidates with uncertain pairs to
+    /// `unsure`, and returns their number. `record`: by physical row. May write one more element of `unsure`, and eight
+    /// more pairs of each kind.
     std::size_t (*find)(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
                         std::int64_t end, const Rounds& rounds, PairEnds& next, UnsureHit* unsure);
 };

@@ -7,7 +7,7 @@
 namespace crumple::cpu {
 namespace {
 
-// Returns the largest gap on any axis.
+// Returns the largest gap between two boxes on any axis; at most 0 if they overlap.
 float gap(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int lane_b) {
     float most = -beyond;
     for (int axis = 0; axis < 3; ++axis) {

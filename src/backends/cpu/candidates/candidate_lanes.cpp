@@ -16,7 +16,7 @@
 // Must follow foreach_target.h.
 #include "hwy/highway.h"
 
-// One-lane vectors have no fixed tags: those targets use the plain kernel.
+// Highway's one-lane targets lack the fixed-size vectors that these kernels use. The plain kernel takes their place.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 #include "backends/cpu/simd/common-inl.h"
 
@@ -29,7 +29,7 @@ using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 // Vectors of the eight lanes, or of as many as fit a register.
 using D = hn::CappedTag<float, candidate_lanes>;
 
-// Boxes of a row, in the order of the rounds.
+// Boxes of a row's lanes, by round: in the order in which the lanes of a column are tested against them.
 struct ScheduledRow {
     alignas(64) float low[Rounds::most][3][candidate_lanes], high[Rounds::most][3][candidate_lanes];
 
@@ -55,7 +55,8 @@ struct ScheduledRow {
     }
 };
 
-// Returns the largest gap on any axis in round j, for lanes from `first` on.
+// Returns, for the column's lanes from `first` on, the largest gap on any axis between the boxes of round j; at most 0
+// if they overlap.
 HWY_INLINE hn::Vec<D> gap(const ScheduledRow& a, int j, const CandidateRecord& b, std::size_t first) {
     const D d;
     const auto on_axis = [&](int axis) HWY_ATTR {
@@ -128,6 +129,7 @@ struct Impacts {
     static constexpr unsigned edges = 0x1ff, faces = 0x7e00, column_first = 0x7000, all = edges | faces;
     alignas(64) std::int32_t row[16] = {3, 3, 3, 4, 4, 4, 5, 5, 5, 0, 1, 2, 6, 6, 6, 7};
     alignas(64) std::int32_t column[16] = {3, 4, 5, 3, 4, 5, 3, 4, 5, 6, 6, 6, 0, 1, 2, 7};
+    /// Indices that interleave the first eight lanes of two vectors.
     alignas(64) std::int32_t zip[16] = {0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23};
     std::uint16_t incident[512] = {};  ///< as in Rounds
 
@@ -162,7 +164,8 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
     const auto zero = hn::Zero(d);
     const I of_row = hn::Load(di, impacts.row), of_column = hn::Load(di, impacts.column),
             zip = hn::Load(di, impacts.zip), zip_ninth = hn::Add(zip, hn::Set(di, 8));
-    // Returns lanes of the k-th group of eight floats of a record. Loads two groups at once.
+    // Returns lanes of the k-th group of eight floats of a record: low x, y, z, then high x, y, z. Loads two groups at
+    // once.
     const auto lanes = [&](const CandidateRecord& r, int k, I lane) HWY_ATTR {
         const V both = hn::Load(d, reinterpret_cast<const float*>(&r) + 16 * (k / 2));
         return hn::TableLookupLanes(both, hn::IndicesFromVec(d, k % 2 ? hn::Add(lane, hn::Set(di, 8)) : lane));
@@ -176,7 +179,7 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
         const __m512i a = _mm512_maskz_compress_epi32(mask_of(bits), first.raw);
         const __m512i b = _mm512_maskz_compress_epi32(mask_of(bits), second.raw);
         _mm512_storeu_si512(next, _mm512_permutex2var_epi32(a, zip.raw, b));
-        if (HWY_UNLIKELY(bits == Impacts::edges))  // the ninth pair
+        if (HWY_UNLIKELY(bits == Impacts::edges))  // nine pairs: the first store wrote eight
             _mm512_storeu_si512(next + 8, _mm512_permutex2var_epi32(a, zip_ninth.raw, b));
         next += hwy::PopCount(bits);
     };

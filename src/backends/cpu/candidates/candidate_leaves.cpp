@@ -97,7 +97,8 @@ unsigned CandidateLeaves::owned_lanes(std::int32_t triangle) const {
 }
 
 // Writes boxes with the sweep direction first: the coordinate axis that is nearest to the leaf's own first axis. Runs
-// without flush to zero, because keys are computed from numbers that may be subnormal.
+// without flush to zero, because keys (rounded coordinates of inflated boxes) are computed from numbers that may be
+// subnormal.
 void CandidateLeaves::build(const BuildInput& input, LeafMembers& members, std::size_t w) {
     const FloatEnvironment environment;
     Worker& worker = *worker_[w];
@@ -108,7 +109,7 @@ void CandidateLeaves::build(const BuildInput& input, LeafMembers& members, std::
     const CandidateKey key{normaliser_, {frame.origin.x, frame.origin.y, frame.origin.z}};
     LeafBounds& bounds = members.bounds;
     bounds = {};
-    // Members are scattered in memory: prefetches vertices ahead, and indices further ahead.
+    // Members are scattered in memory: prefetches the vertices of later members, and the indices of still later ones.
     const PreparedScene& scene = call_->scene;
     const auto fetch = [](const VertexReader& reader, std::int64_t vertex) {
         __builtin_prefetch(reader.data + vertex * reader.row_stride);
@@ -216,7 +217,7 @@ void CandidateLeaves::pass_on(Worker& worker) const {
     if (stream_ && worker.found.size() >= rows_of_piece) stream_->add(worker.unit, worker.found);
 }
 
-// Lists the pairs that overlap in real numbers, where equal keys decide nothing.
+// Decides uncertain pairs in exact arithmetic, and lists those whose inflated boxes overlap.
 void CandidateLeaves::list(const UnsureHit& hit, const CandidateRecord& a, const CandidateRecord& b,
                            PairEnds& next) const {
     std::uint64_t overlaps = 0;

@@ -1,7 +1,8 @@
 #pragma once
 
-// Candidate query as a LeafQuery. Triangles are swept as boxes along a coordinate axis. For each pair of triangles
-// whose boxes overlap, the features that one owns are tested against those that the other owns.
+// Candidate query, for pairs of features whose inflated boxes overlap, as a LeafQuery. Triangles are swept as boxes
+// along a coordinate axis. For each pair of triangles whose boxes overlap, the features that one owns are tested
+// against those that the other owns.
 
 #include <atomic>
 #include <memory>
@@ -39,11 +40,11 @@ class CandidateLeaves final : public LeafQuery {
     void fail() override { stream_->fail(); }
     void finish(Statistics& statistics) override;
 
-    /// Finds the candidates whose two features are owned by the same triangle, for triangles [begin, end). No pair of
-    /// triangles yields these candidates.
+    /// Finds the candidates whose two features are owned by the same triangle, for triangles [begin, end). sweep() does
+    /// not find these, because it tests pairs of different triangles.
     void search_within(std::int64_t begin, std::int64_t end, std::size_t worker);
 
-    /// Pairs that each worker has found.
+    /// Returns the pairs that each worker has found.
     std::span<const Array<Pair>* const> found(CandidateKind kind) const {
         return found_[static_cast<std::size_t>(kind)];
     }

@@ -1,5 +1,6 @@
-// Records and boxes of a leaf's members, one triangle in each block of 128 bits: SIMD counterpart of
-// filters/features/feature_record.h.
+// Records and boxes of a leaf's members, one triangle in each block of 128 bits of a vector: SIMD versions
+// (counterparts) of the functions in filters/features/feature_record.h. Integer template arguments are the number of
+// time samples: 1 for static scenes, 2 for motion.
 
 #if defined(CRUMPLE_FEATURES_CPU_BUILD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_BUILD_INL_H_
@@ -16,7 +17,7 @@ namespace crumple::cpu::features {
 namespace HWY_NAMESPACE {
 using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-/// Counterpart of direction() for one vector per block.
+/// Counterpart of direction(), for one vector in each block.
 template <class D, class V>
 HWY_INLINE V direction(D d, V v) {
     const V one = hn::Set(d, 1.0f), size = largest_of(hn::Abs(v));
@@ -78,7 +79,8 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
     for (std::int64_t i = 0; i < in.members; i += blocks) {
         const std::int32_t* corner[blocks];
         for (int b = 0; b < blocks; ++b) {
-            // Members are scattered in memory: prefetches vertices ahead, and indices further ahead.
+            // Members are scattered in memory: prefetches the vertices of later members, and the indices of still later
+            // ones.
             hwy::Prefetch(corners_at(i + b + 24));
             hwy::Prefetch(&features.edges_of(in.triangle[i + b + 24]));
             const std::int32_t* ahead = corners_at(i + b + 12);
@@ -117,7 +119,7 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
 
         if (lanes.any_big(size)) {
             lanes.replace_big(in, i, box, size, boxes, bounds, rewrite_big);
-            more = hn::IfThenElseZero(hn::Le(box.low, box.high), more);  // big members no longer count
+            more = hn::IfThenElseZero(hn::Le(box.low, box.high), more);  // boxes of big members are empty by now
         }
         lanes.count(box, hn::Add(size, more));
     }

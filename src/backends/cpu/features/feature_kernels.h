@@ -1,10 +1,10 @@
 #pragma once
 
-// Inner loops of queries about features on the cpu, as tables of functions like those of the stages
-// (backends/cpu/stages/kernels.h), by number of time samples: one for proximities, two for impacts. There is one pair
-// of tables in plain C++ (feature_kernels_scalar.cpp, from the per-pair sources that host and device share), and one
-// for each SIMD instruction set (feature_lanes.cpp). No table drops a pair that belongs to the result; which others it
-// drops may differ.
+// Inner loops of queries about features (vertices, edges, faces) on the cpu, as tables of functions like those of the
+// stages (backends/cpu/stages/kernels.h), by number of time samples: one for proximities, two for impacts. There is one
+// pair of tables in plain C++ (feature_kernels_scalar.cpp, from the per-pair sources that host and device share), and
+// one for each SIMD instruction set (feature_lanes.cpp). A test is a pair of features that may belong to the result. No
+// table drops a test that does; tables may differ in the other tests that they drop.
 
 #include <algorithm>
 #include <cstdint>
@@ -19,9 +19,9 @@
 
 namespace crumple::cpu {
 
-/// Distance requested in each test, in normalised coordinates, rounded up. If `each` is not null, it holds one distance
-/// per test, and `padding` more that may be read; filters move these along with the tests. Otherwise `all` applies to
-/// every test, or `share` of the test's own distance at the start, if that is more.
+/// Distance requested in each test, in normalised coordinates, rounded up. If `each` is not null, it points to one
+/// distance per test, and `padding` more that may be read; filters move distances along with their tests. Otherwise
+/// `all` applies to every test, or `share` times the test's own distance at the start, if that is more.
 struct RequestedDistance {
     float all = 0;
     float* each = nullptr;
@@ -41,17 +41,17 @@ struct RequestedDistance {
 template <int moments>
 struct PairsLeft {
     const FeatureRecord<moments>*rows, *columns;
-    const std::uint32_t* packed;
+    const std::uint32_t* packed;  ///< column << 16 | row
     std::size_t count;
 
     const FeatureRecord<moments>& row(std::size_t i) const { return rows[packed[i] & 0xffff]; }
     const FeatureRecord<moments>& column(std::size_t i) const { return columns[packed[i] >> 16]; }
 };
 
-/// List of the tests of one kind that the pairs of a PairsLeft have, codimensional or not. A test is stored as index of
-/// the pair << 4 | the test's bit in TestsOfPair, so there must be fewer than 2^28 pairs.
+/// List of the tests of one kind that the pairs of a PairsLeft stand for. A test is stored as index of the pair << 4 |
+/// the test's bit in TestsOfPair, so there must be fewer than 2^28 pairs.
 struct TestList {
-    std::uint32_t* test = nullptr;  ///< `padding` more may be written
+    std::uint32_t* test = nullptr;  ///< kernels may write up to `padding` entries past the last one
     std::size_t count = 0;
 
     std::size_t pair(std::size_t i) const { return test[i] >> 4; }
@@ -76,8 +76,8 @@ struct FeatureKernels {
     /// Copies record i to sorted[position[i]].
     void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, Record* sorted);
 
-    /// Lists the candidates that no direction separates by more than the gap, packed as column << 16 | row; returns how
-    /// many. `record`: by physical row. Writes up to `padding` more.
+    /// Lists in `left` the candidates that no direction separates by more than the gap, packed as column << 16 | row;
+    /// returns their number. `record`: by physical row. May write up to `padding` entries past these.
     std::size_t (*separate)(const Record* record, const CandidateChunk& candidates, const NeededGap& gap,
                             std::uint32_t* left);
 
@@ -86,13 +86,14 @@ struct FeatureKernels {
     void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, TestList& vertex_face,
                  TestList& edge_edge);
 
-    /// For vertex_face and edge_edge: writes the listed tests that the filters do not drop to `test`, and returns their
-    /// number. Overwrites the list. `ends`: see BuildInput.
+    /// Indexed by FeatureKind, for vertex_face and edge_edge. Writes the listed tests that the filters do not drop to
+    /// `test`, and returns their number. Overwrites the list. `ends`: see BuildInput.
     std::size_t (*filter_list[2])(const PointRows& points, std::int64_t ends, RequestedDistance distance,
                                   const PairsLeft<moments>& pairs, TestList& listed, FeatureTest* test);
 
-    /// Indexed by FeatureKind. Moves the tests that the filters do not drop to the front, in order, and returns their
-    /// number. The last two kinds are filtered as a vertex and a face that is collapsed to an edge or a vertex.
+    /// Indexed by FeatureKind. Moves the tests that the filters do not drop to the front of `test`, in order, and
+    /// returns their number. The last two kinds, vertex_edge and vertex_vertex, are filtered as a vertex and a face
+    /// that is collapsed to an edge or a vertex.
     std::size_t (*filter[feature_kinds])(const PointRows& points, std::int64_t ends, RequestedDistance distance,
                                          FeatureTest* test, std::size_t count);
 };
@@ -103,7 +104,8 @@ struct FeatureTables {
     FeatureKernels<2> moving;
 
     /// Computes the squared distance of each pair of features in a batch, rounded to nearest. Writes NaN for a pair
-    /// that touches, or that lanes cannot decide. `squared` must have capacity for one more vector.
+    /// that touches, or whose distance lanes cannot round with certainty. `squared` must have capacity for a full
+    /// vector of lanes past the last pair.
     void (*squared)(const GuessBatch& batch, double* squared);
 
     template <int moments>

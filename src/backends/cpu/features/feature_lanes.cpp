@@ -13,7 +13,7 @@
 // Must follow foreach_target.h.
 #include "hwy/highway.h"
 
-// One-lane vectors have no fixed tags: those targets use the plain kernels.
+// Highway's one-lane targets lack the fixed-size vectors that these kernels use. Plain kernels take their place.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 #include "backends/cpu/features/build_features-inl.h"
 #include "backends/cpu/features/filter_features-inl.h"

@@ -37,8 +37,8 @@ float largest_radius(const BuildInput& input) {
     return largest;
 }
 
-// Computes the distance requested in each test: the sum of the largest vertex radius of each feature. The rounding
-// error of a sum is less than the amount by which its radii were rounded up.
+// Computes the distance requested in each test: the sum of both features' largest vertex radii. The rounding error of
+// a sum is less than the amount by which its radii were rounded up.
 void add_radii(FeatureKind kind, const Array<FeatureTest>& tests, const float* radius, Array<float>& distance) {
     distance.resize_discard(tests.size() + padding);
     for (std::size_t i = 0; i < tests.size(); ++i) {
@@ -138,7 +138,7 @@ void FeatureLeaves<moments>::sweep(const SortedLeaf& leaf, const Ownership& owne
     });
 }
 
-// Narrows one chunk of candidates, in batches, so that tests stay in the cache.
+// Runs stage `narrow` for one chunk of candidates, in batches of pairs, so that tests stay in the cache.
 template <int moments>
 void FeatureLeaves<moments>::narrow(const SortedLeaf& leaf, const Ownership& ownership, const Worker& builder,
                                     Worker& worker) {

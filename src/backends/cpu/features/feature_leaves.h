@@ -1,7 +1,8 @@
 #pragma once
 
-// Queries about features as a LeafQuery. A leaf's candidates are pairs of triangles. Those that no direction
-// separates stand for tests of features; filters drop most tests, and the rest is decided exactly.
+// Queries about features (vertices, edges, faces) as a LeafQuery. A leaf's candidates are pairs of triangles. A pair
+// that no direction separates stands for tests: pairs of a feature that one triangle owns and one that the other owns.
+// Filters drop most tests, and the remaining ones are decided exactly.
 
 #include <atomic>
 #include <memory>
@@ -44,7 +45,7 @@ class FeatureLeaves final : public LeafQuery {
     void finish(Statistics& statistics) override;
 
     bool any() const { return any_; }
-    /// Hits of each worker.
+    /// Returns the hits of each worker.
     std::span<const FeatureRows* const> found(FeatureKind kind) const { return found_[static_cast<std::size_t>(kind)]; }
 
    private:

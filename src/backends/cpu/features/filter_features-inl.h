@@ -1,5 +1,6 @@
-// SIMD counterpart of filters/features/feature_filters.h: drops tests of features that are certainly too far apart, one
-// test per lane.
+// SIMD versions (counterparts) of the functions in filters/features/feature_filters.h, where the computations are
+// explained: they drop tests of features that are certainly too far apart, one test per lane. Integer template
+// arguments are the number of time samples: 1 for static scenes, 2 for motion.
 
 #if defined(CRUMPLE_FEATURES_CPU_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_FILTER_INL_H_
@@ -21,6 +22,7 @@ template <class V, int moments>
 struct Seen {
     Point<V> to[moments][3];
 
+    /// Returns bounds on the |components| of vector i at all times.
     HWY_INLINE Point<V> reach(int i) const {
         if constexpr (moments == 1)
             return abs(to[0][i]);
@@ -52,8 +54,8 @@ HWY_INLINE void load_vectors(D d, const Points& points, std::int64_t ends, const
         }
 }
 
-/// Sets the lanes in which the second feature lies above, or below, the first one by more than `gap` along n, at one
-/// time sample.
+/// Computes in which lanes the second feature lies above, or below, the first one by more than `gap` along n, at one
+/// time sample. `to`: vectors from the first point to the others.
 template <FeatureKind kind, class V, class M = decltype(hn::Gt(V(), V()))>
 HWY_INLINE void compare_places(const Point<V>& n, const Point<V> (&to)[3], V gap, M& above, M& below) {
     const V p0 = dot(n, to[0]), p1 = dot(n, to[1]), p2 = dot(n, to[2]);
@@ -164,8 +166,8 @@ template <class V, int moments>
 struct TestBatch {
     Seen<V, moments> seen;
     Point<V> reach;  ///< sum of seen.reach() of the three vectors
-    V magnitude;     ///< see never_in_a_plane()
-    V asked;         ///< requested distance, times `up`
+    V magnitude;     ///< bound on the sum of the magnitudes of the monomials of the vectors' determinant
+    V asked;         ///< requested distance, times `up`, which covers roundings
 };
 
 /// Counterpart of surely_far_coarse() for one test per lane.
@@ -262,7 +264,7 @@ HWY_INLINE std::size_t keep_near(D d, const Points& points, std::int64_t ends, R
         [&](std::size_t from, std::size_t to) { test[to] = test[from]; });
 }
 
-/// Calls filter(d, points) with the rows in their own type.
+/// Calls filter(d, points) with the rows that exist, as Points32 or Points64.
 template <class Filter>
 HWY_INLINE std::size_t with_points(const PointRows& points, Filter filter) {
     const hn::ScalableTag<float> d;

@@ -79,7 +79,7 @@ void search(const Call& call, const FeatureRequest&, FeatureLeaves<moments>&) {
     search(call);
 }
 
-/// Calls work(leaves) with the leaves that serve the request, after passing it to them.
+/// Calls work(leaves) with the LeafQuery of `buffers` that serves the request, after passing the request to it.
 template <class Work>
 void with_leaves(const Call& call, const FeatureRequest& query, FeatureBuffers& buffers, Work work) {
     const auto ask = [&](auto& leaves) {

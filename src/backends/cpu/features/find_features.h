@@ -38,7 +38,7 @@ Inflation inflation_of(const PreparedScene& scene, const FeatureRequest& query);
 Inflation inflation_of_radii(const PreparedScene& scene, std::span<const double> radii, Workers& workers,
                              FeatureBuffers& buffers);
 
-/// Returns the leaves in `buffers` that serve the request, for Call::query.
+/// Returns the LeafQuery in `buffers` that serves the request, for Call::query.
 LeafQuery& leaves_of(const PreparedScene& scene, const FeatureRequest& query, FeatureBuffers& buffers);
 
 /// Runs all stages. call.query must be the result of leaves_of().

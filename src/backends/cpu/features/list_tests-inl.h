@@ -1,6 +1,7 @@
-// SIMD counterpart of filters/features/tests_of_pair.h: lists the tests that pairs of triangles stand for, one pair per
-// lane. Which tests a pair has is unpredictable, so a branch for each would mostly be mispredicted. Instead, for each
-// of the fifteen possible tests, the pairs that have it are appended to its list.
+// SIMD counterpart of filters/features/tests_of_pair.h: lists the tests (pairs of features) that pairs of triangles
+// stand for, one pair of triangles per lane. Which of the fifteen possible tests a pair has is unpredictable, so a
+// branch for each would often be mispredicted. Instead, for one possible test after the other, all pairs of a vector
+// that have it are appended to a list at once.
 
 #if defined(CRUMPLE_FEATURES_CPU_LIST_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_LIST_INL_H_

@@ -1,5 +1,6 @@
-// SIMD counterpart of filters/features/separating_direction.h: drops pairs of triangles that a direction separates, one
-// pair per lane.
+// SIMD versions (counterparts) of the functions in filters/features/separating_direction.h, where the computations are
+// explained: they drop pairs of triangles that a direction separates, one pair per lane. Integer template arguments are
+// the number of time samples: 1 for static scenes, 2 for motion.
 
 #if defined(CRUMPLE_FEATURES_CPU_SEPARATE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_SEPARATE_INL_H_
@@ -55,7 +56,8 @@ HWY_INLINE void load_columns(D d, RecordOf record, Records<V, moments>& out) {
     for (int k = 0; k < 3; ++k) out.vertex[k] = hn::BitCast(di, column[k]);
 }
 
-/// Loads records as load_columns() does, but with one record for all lanes of a block.
+/// Loads records like load_columns(), but one record for all lanes of a block: aligned groups of four candidates have
+/// the same row.
 template <int moments, class D, class RecordOf, class V = hn::Vec<D>>
 HWY_INLINE void load_rows(D d, RecordOf record, Records<V, moments>& out) {
     for (int m = 0; m < moments; ++m) {
@@ -124,8 +126,9 @@ HWY_INLINE CommonCorners<M> common_corners(const Records<V, moments>& a, const R
     return out;
 }
 
-/// Returns the lanes in which the direction between the centroids separates a from b or, if they have exactly one
-/// common corner, has all their other corners on opposite sides of it. The gap is scaled by the direction's length.
+/// Returns the lanes in which the direction between the centroids separates a from b. If a and b have exactly one
+/// common corner, it need only separate the other corners of both from the common one, to opposite sides. The gap is
+/// scaled by the direction's length.
 template <int moments, class V, class M>
 HWY_INLINE M separates_centroids(const Records<V, moments>& a, const Records<V, moments>& b, V gap,
                                  const CommonCorners<M>& common) {

@@ -1,5 +1,6 @@
-// Squared distances of static features, one pair per lane: SIMD counterpart of the straight path through
-// exact/proximity/enclosure.h. Pairs that need more (a refined guess, exact sums), or that touch, yield NaN.
+// Squared distances of static features, one pair per lane: SIMD version of the usual case of
+// exact/proximity/enclosure.h. A counterpart of a function there computes the same for each lane. Pairs that need more
+// (a refined guess, exact sums), or that touch, yield NaN.
 
 #if defined(CRUMPLE_NEAR_CPU_SQUARED_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_NEAR_CPU_SQUARED_INL_H_

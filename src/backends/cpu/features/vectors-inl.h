@@ -35,7 +35,7 @@ template <class V>
 HWY_INLINE V dot(const Point<V>& a, const Point<V>& b) {
     return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
 }
-/// Counterpart of length() for one vector per lane.
+/// Returns the length of one vector per lane, with the error bounds of length() in filters/features/length.h.
 template <class V>
 HWY_INLINE V length(const Point<V>& a) {
     const V z = hn::MulAdd(a.z, a.z, hn::Set(hn::DFromV<V>(), least_square));

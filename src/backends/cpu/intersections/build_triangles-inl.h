@@ -1,5 +1,5 @@
-// Records and boxes of a leaf's members, one triangle in each block of 128 bits; and the copying of records to their
-// rows.
+// Kernels of intersection queries that compute the records and boxes of a leaf's members, with one triangle in each
+// block of 128 bits of a vector, and that copy records to their rows.
 
 #if defined(CRUMPLE_INTERSECT_CPU_BUILD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_BUILD_INL_H_
@@ -16,7 +16,7 @@ namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-/// Rewrites the record of a big member.
+/// Rewrites the record of a big member (geometry/leaf_frame.h): its plane is computed in float64, its corners are NaN.
 HWY_INLINE void rewrite_big(const BuildInput& in, std::int64_t i, Record& record) {
     const std::int32_t* corner = in.corners + 3 * static_cast<std::int64_t>(in.triangle[i]);
     const Vec3d origin{in.frame.origin.x, in.frame.origin.y, in.frame.origin.z};
@@ -47,7 +47,8 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& points, Record* H
     for (std::int64_t i = 0; i < in.members; i += blocks) {
         const std::int32_t* corner[blocks];
         for (int b = 0; b < blocks; ++b) {
-            // Members are scattered in memory: prefetches corners ahead, and their indices further ahead.
+            // Members are scattered in memory: prefetches the corners of later members, and the indices of still later
+            // ones.
             hwy::Prefetch(corners_of(i + b + 24));
             const std::int32_t* ahead = corners_of(i + b + 12);
             for (int k = 0; k < 3; ++k) hwy::Prefetch(points.row(ahead[k]));
@@ -59,7 +60,8 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& points, Record* H
         BoxLanes::Box box{hn::Min(t0, hn::Min(t1, t2)), hn::Max(t0, hn::Max(t1, t2))};
         lanes.store(box, i, boxes);
 
-        // The plane, divided by the sum of its products' magnitudes: the error bound is relative to this sum.
+        // The plane n . p = c, divided by the sum of the magnitudes of the normal's products: the error bound is
+        // relative to this sum.
         const V m1 = hn::Mul(a, rotate_axes(d, b)), m2 = hn::Mul(b, rotate_axes(d, a));
         const V sum = hn::Add(sum_of(hn::Add(hn::Abs(m1), hn::Abs(m2))), tiny);
         const V n = hn::Div(rotate_axes(d, hn::Sub(m1, m2)), sum);
@@ -93,7 +95,8 @@ inline void build(const BuildInput& in, Record* record, Boxes& boxes, LeafBounds
 
 inline void scatter(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted) {
     const hn::ScalableTag<float> d;
-    // The last lanes of blocks are the plane; other lanes, ids among them, stay unchanged.
+    // A record has four blocks of four lanes. The last lanes of all blocks are the plane, which is scaled; other lanes,
+    // ids among them, stay unchanged.
     HWY_ALIGN static constexpr std::uint32_t last_lane[4] = {0, 0, 0, ~0u};
     const auto is_plane =
         hn::MaskFromVec(hn::BitCast(d, hn::LoadDup128(hn::RebindToUnsigned<decltype(d)>(), last_lane)));

@@ -6,9 +6,10 @@
 //   flat   other adjacent triangles: mostly nearly coplanar               -> flat_test
 //   open   the rest: no shared vertex, and uncertain signs                -> separating tests, exact decision
 //
-// One shared vertex v, A = (v, a1, a2), B = (v, b1, b2), signs certain and straddling: both triangles meet the line of
-// the two planes in a segment that starts at v. They overlap iff both segments leave v in the same direction, that is,
-// iff a1 lies on the other side of B's plane than b1 does of A's (docs/narrow.md).
+// Let A = (v, a1, a2) and B = (v, b1, b2) share one vertex v, and each have its other corners on different sides of the
+// other's plane, with certain signs. Then both triangles meet the line of the two planes in a segment that starts at v.
+// They overlap iff both segments leave v in the same direction, that is, iff a1 is above B's plane and b1 below A's, or
+// a1 below and b1 above (docs/narrow.md).
 //
 // Three passes: compute the codes of all candidates, in 8-bit lanes; pack those that are not 0; sort these by kind. One
 // in five candidates survives, so the last pass, the only one that writes several lists, is short.
@@ -27,10 +28,11 @@ namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-// A code's two upper bits mean edge or flat, with six bits of detail below; else the code is one of the others.
+// Codes of pairs. One of the two upper bits is set for edge or flat; the six bits below are then an entry of
+// Verdicts::edge_signs or Verdicts::flat_shared. All other codes are complete.
 constexpr std::uint8_t code_apart = 0, code_hit = 1, code_open = 2, code_edge = 0x40, code_flat = 0x80;
 
-/// Returns the codes of one vector of pairs, from their nibbles.
+/// Returns the codes of one vector of pairs, from the nibbles of PlaneSigns, one per 8-bit lane.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V code_of(D d, V above_a, V below_a, V above_b, V below_b, V same0, V same1, V same2,
                      const NarrowPolicy& policy) {
@@ -68,7 +70,7 @@ HWY_INLINE V code_of(D d, V above_a, V below_a, V above_b, V below_b, V same0, V
                               hn::IfThenElse(by_direction, direction, hn::IfThenElse(neighbours, flat, strangers)));
 }
 
-/// Writes the codes of all candidates, and of up to `padding` more.
+/// Writes the codes of all candidates, and of up to 2 * `padding` more.
 inline void write_codes(const PlaneSigns& signs, std::int64_t count, const NarrowPolicy& policy,
                         std::uint8_t* HWY_RESTRICT out) {
     const hn::ScalableTag<std::uint8_t> d;
@@ -92,7 +94,7 @@ inline void write_codes(const PlaneSigns& signs, std::int64_t count, const Narro
     }
 }
 
-/// Packs the candidates that are not apart; returns their number.
+/// Lists the candidates that are not apart, packed as column << 16 | row, and their codes; returns their number.
 inline std::size_t pack_survivors(const CandidateChunk& candidates, const std::uint8_t* HWY_RESTRICT code,
                                   std::uint32_t* HWY_RESTRICT survivor, std::uint32_t* HWY_RESTRICT survivor_code) {
     const hn::ScalableTag<std::uint32_t> d;
@@ -113,7 +115,7 @@ inline std::size_t pack_survivors(const CandidateChunk& candidates, const std::u
     return survivors;
 }
 
-/// Fills edges, flat, hit and undecided from the survivors.
+/// Distributes the survivors to the lists edges, flat, hit and undecided of `out`.
 inline void sort_survivors(std::size_t count, std::uint16_t dummy, Verdicts& out) {
     const hn::ScalableTag<std::uint32_t> d;
     const std::size_t lanes = hn::Lanes(d);

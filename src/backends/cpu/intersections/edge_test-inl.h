@@ -1,4 +1,5 @@
-// Second filter of `narrow`: pairs that no plane separates, with all six signs certain and no shared vertex.
+// Second filter of `narrow`: pairs without a shared vertex that neither triangle's plane separates, and for which it is
+// certain on which side of the other's plane each of the six corners lies.
 //
 // Each triangle has one corner alone on its side of the other's plane, p1 and p2; orders (p1, q1, r1) and (p2, q2, r2)
 // are chosen so that p1 lies above plane 2 and p2 above plane 1. Both triangles meet the line of the planes in an
@@ -22,7 +23,8 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
-/// Appends to out.hit and out.undecided. `reach`: the leaf's largest |coordinate|.
+/// Tests the pairs of out.edges, and appends to out.hit and out.undecided all that are not apart. `reach`: the leaf's
+/// largest |coordinate|.
 inline void edge_test(const Record* record, const CandidateChunk& candidates, float reach, bool proper, Verdicts& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;

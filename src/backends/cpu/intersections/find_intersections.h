@@ -9,7 +9,7 @@
 
 namespace crumple::cpu {
 
-/// Call with a query, and the destination of its pairs.
+/// Call of an intersection query, and the destination of its pairs.
 struct IntersectCall : Call {
     const IntersectionQuery& query;
     IntersectLeaves& leaves;  ///< same object as Call::query
@@ -20,7 +20,7 @@ struct IntersectCall : Call {
     PairStream* stream = nullptr;         ///< receives the pairs of each unit; null: no stream
 };
 
-/// Runs search() of order.h. Pairs stay in `leaves`, unless the sink takes them.
+/// Runs search() of order.h. Pairs stay in `leaves`, except for those that the sink removes.
 void search_pairs(const IntersectCall& call);
 
 /// Runs stage `output`: makes the result from the pairs in `leaves`.

@@ -4,8 +4,8 @@
 // In the projection along the largest component of A's normal, take an edge line through the shared vertices. If it has
 // the rest of A strictly on one side and the rest of B strictly on the other, the triangles have only their shared
 // vertices or edge in common, and do not collide. With one shared vertex v, A = (v, p, q), B = (v, r, t), the lines
-// through v and each of p, q, r, t are candidates; with two, the line through both. All other pairs stay undecided, odd
-// ones ([a, a, b]) among them.
+// through v and each of p, q, r, t are tried; with two, the line through both. All other pairs stay undecided, among
+// them pairs with a triangle that contains a vertex twice.
 
 #if defined(CRUMPLE_INTERSECT_CPU_FLAT_TEST_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_FLAT_TEST_INL_H_
@@ -21,8 +21,9 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
-/// Appends to out.undecided. Corners come from triangles_of(record of each lane); each coordinate of a difference of
-/// two corners errs by at most `difference_error` beyond its own rounding.
+/// Tests the pairs of out.flat, and appends to out.undecided all that no line separates. triangles_of(record) loads the
+/// triangles of *record(lane); each coordinate of a difference of two of their corners errs by at most
+/// `difference_error` beyond its own rounding.
 template <class TrianglesOf>
 HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candidates, float difference_error,
                                TrianglesOf triangles_of, Verdicts& out) {
@@ -55,7 +56,8 @@ HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candi
         const auto is_decided = hn::Or(edge, hn::And(is_single(shared_a), is_single(shared_b)));
 
         // v: the shared vertex. If an edge is shared, v is the end that follows the apex, so that p is the other end of
-        // the edge, and q the apex. Lanes without either get corner 0; their results are ignored.
+        // the edge, and q the apex. Lanes with neither one nor two shared vertices get corner 0; their results are
+        // ignored.
         const auto pivot = [&](VI e, VI apex) {
             const VI corner = hn::IfThenElse(edge, next(hn::ShiftRight<1>(apex)), hn::ShiftRight<1>(e));
             return hn::IfThenElseZero(is_decided, corner);

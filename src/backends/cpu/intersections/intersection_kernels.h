@@ -26,12 +26,13 @@ struct IntersectKernels {
     /// Copies record i to sorted[position[i]], its plane times `scale`.
     void (*scatter)(const Record* record, std::int64_t n, const std::int32_t* position, float scale, Record* sorted);
 
-    /// Filters candidates: lists each as hit or undecided, or drops it as apart. `record`: by physical row.
+    /// Filters candidates: lists each as hit or undecided, or drops it as apart. `record`: the leaf's, by physical row.
+    /// `reach`: the leaf's largest |coordinate|.
     void (*filter)(const Record* record, const CandidateChunk& candidates, const PointRows& points,
                    const NarrowPolicy& policy, float reach, Verdicts& verdicts);
 
     /// Writes the triangles of packed pairs (column << 16 | row), lower id first. Reads and writes up to `padding`
-    /// more.
+    /// pairs more.
     void (*name_pairs)(const std::uint32_t* packed, std::size_t count, const RowLink* rows, const RowLink* columns,
                        Pair* out);
 };

@@ -19,7 +19,7 @@ class IntersectLeaves final : public LeafQuery {
    public:
     IntersectLeaves(MemoryMeter* meter, int workers, const IntersectKernels& kernels);
 
-    /// Query and destination of pairs, from begin() on. The pointers must stay valid.
+    /// Query of the next search, and destination of its pairs. The pointers must stay valid during the search.
     struct Asked {
         const IntersectionQuery* query = nullptr;
         const PairSink* sink = nullptr;       ///< see NarrowContext
@@ -41,10 +41,11 @@ class IntersectLeaves final : public LeafQuery {
     void fail() override { asked_.stream->fail(); }
     void finish(Statistics& statistics) override;
 
-    /// Delivers the pairs of a worker, and those of duplicate triangles, to the stream.
+    /// Delivers the pairs of a worker to the stream, after adding the pairs of duplicate triangles (copies.h).
     void deliver(NarrowScratch& scratch);
 
-    /// Pairs of each worker that no sink has taken; of duplicate triangles, only the first occurs in them.
+    /// Returns the pairs of each worker that no sink has removed. Of duplicate triangles, only the first occurs in
+    /// them.
     std::span<const Array<Pair>* const> found() const { return found_; }
     Array<Pair>& found(std::size_t worker) { return worker_[worker]->narrow.pairs; }
     const Copies& copies() const { return copies_; }

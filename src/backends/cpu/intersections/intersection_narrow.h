@@ -18,8 +18,8 @@ namespace crumple::cpu {
 
 struct NarrowScratch;
 
-/// Callback after each narrowed chunk, in the worker that narrowed it. `scratch`: the worker's, whose pairs from
-/// `before` on are new. The callback may remove pairs from the list; those that it leaves accumulate.
+/// Callback after stage `narrow` of each chunk, on the worker that ran it. `scratch`: that of the worker; its pairs
+/// from `before` on are new. The callback may remove pairs from scratch.pairs; the remaining ones accumulate.
 using PairSink = FunctionRef<void(NarrowScratch& scratch, std::size_t before)>;
 
 /// Data of the call that `narrow` needs.
@@ -46,14 +46,14 @@ struct NarrowScratch {
     explicit NarrowScratch(MemoryMeter* m) : candidates(m), verdicts(m), pairs(m) {}
     CandidateChunk candidates;
     Verdicts verdicts;
-    Array<Pair> pairs;      ///< joint numbering, lower id first
+    Array<Pair> pairs;      ///< triangles as numbered in the scene, lower id first
     std::int64_t unit = 0;  ///< unit of a stream that the pairs belong to
     Statistics statistics;  ///< counts and times of sweep and narrow
 
-    std::int64_t most_candidates = 0;  ///< largest count of a chunk so far
+    std::int64_t most_candidates = 0;  ///< largest CandidateChunk::count so far
 };
 
-/// Sweeps rows [first, last) of a leaf and appends the colliding pairs that the leaf owns.
+/// Sweeps rows [first, last) of a leaf, and appends the colliding pairs that the leaf owns to scratch.pairs.
 void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, const LeafRecords& records,
                       const Ownership& ownership, std::int64_t first, std::int64_t last, NarrowScratch& scratch);
 

@@ -3,7 +3,8 @@
 namespace crumple::cpu {
 namespace {
 
-// Record that no filter can mistake for a triangle: all corners lie above its plane.
+// Record for rows without a member. The plane filter drops it: with the normal 0 and c = -2, every point certainly lies
+// above its plane.
 constexpr Record no_triangle{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {-1, -1, -1}, -2};
 
 }  // namespace

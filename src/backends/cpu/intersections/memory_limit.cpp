@@ -8,7 +8,8 @@
 namespace crumple::cpu {
 namespace {
 
-/// Calls visit(pair) for each pair of the call, in any order.
+/// Calls visit(pair) for each pair that the call's query finds, in any order; duplicate triangles (copies.h) do not
+/// occur.
 template <class Visit>
 void for_each_pair(IntersectCall call, Visit visit) {
     const auto take = [&](NarrowScratch& scratch, std::size_t) {

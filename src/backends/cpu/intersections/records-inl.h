@@ -1,4 +1,5 @@
-// Loads records, in any order, into vectors, for the filters of `narrow`.
+// Loads records of triangles (filters/intersection/triangle_record.h), in any order, into vectors, for the filters of
+// stage `narrow`.
 
 #if defined(CRUMPLE_INTERSECT_CPU_RECORDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_RECORDS_INL_H_
@@ -14,8 +15,8 @@ namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-/// Loads record *record(b) into block b, transposed: X = x0 x1 x2 nx | ..., I = id0 id1 id2 c | ... Filters would wait
-/// for shuffles, so halves of vectors are combined while loading, which takes none.
+/// Loads record *record(b) into block b, transposed: X = x0 x1 x2 nx | ..., I = id0 id1 id2 c | ... Halves of vectors
+/// are combined while loading, which saves shuffles that the filters would have to wait for.
 template <class D, class RecordOf, class V>
 HWY_INLINE void load_records(D d, RecordOf record, V& X, V& Y, V& Z, V& I) {
     const auto at = [&](int b) { return reinterpret_cast<const float*>(record(b)); };
@@ -75,7 +76,7 @@ HWY_INLINE Triangles<D> load_triangles(D d, RecordOf record) {
     return t;
 }
 
-/// Loads triangles as above, but with corners from normalised float32 rows, which are exact.
+/// Loads triangles like load_triangles(), but with corners from normalised float32 rows, which are exact.
 template <class D, class RecordOf>
 HWY_INLINE Triangles<D> load_exact_triangles(D d, RecordOf record, const float* points) {
     using V = hn::Vec<D>;
@@ -91,10 +92,10 @@ HWY_INLINE Triangles<D> load_exact_triangles(D d, RecordOf record, const float* 
     return t;
 }
 
-/// Calls test(difference_error, triangles_of), where triangles_of(record of each lane) loads the best corners
-/// available: from the normalised rows if these are float32, and so exact, otherwise from the records. Each coordinate
-/// of a difference of two corners errs by at most `difference_error` beyond its own rounding. `reach`: the leaf's
-/// largest |coordinate|.
+/// Calls test(difference_error, triangles_of), where triangles_of(record) loads the triangles of *record(lane) with the
+/// best corners available: from the normalised rows if these are float32, and so exact, otherwise from the records.
+/// Each coordinate of a difference of two corners errs by at most `difference_error` beyond its own rounding. `reach`:
+/// the leaf's largest |coordinate|.
 template <class Test>
 HWY_INLINE void with_triangles(const PointRows& points, float reach, Test test) {
     const hn::ScalableTag<float> d;

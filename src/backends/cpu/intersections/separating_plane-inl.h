@@ -1,5 +1,5 @@
-// Last filters of `narrow`: a separating plane or a separating edge line, for any pair that the others leave undecided;
-// first in float32, then, for pairs still left, in float64 from the normalised vertices.
+// Last filters of `narrow`: a separating plane or a separating edge line, for any pair that the earlier filters leave
+// undecided; first in float32, then, for pairs still left, in float64 from the normalised vertices.
 //
 // A pair is apart if the corners of one triangle that the other does not share lie strictly on one side of the other's
 // plane (float64 only; the plane filter has tried it in float32), or if, in the projection along the largest component
@@ -23,7 +23,7 @@ namespace HWY_NAMESPACE {
 template <class D>
 struct Corners {
     hn::Vec<D> p[3][3];     ///< [corner][axis]
-    hn::Mask<D> shared[3];  ///< the other triangle has this corner, too
+    hn::Mask<D> shared[3];  ///< true if the corner is also a corner of the other triangle
 };
 
 template <class D>
@@ -117,7 +117,8 @@ HWY_INLINE void drop_undecided(D d, Verdicts& out, Apart apart) {
     out.undecided.resize(left);
 }
 
-// Drops pairs that an edge line separates in float32; corners come from triangles_of(record of each lane).
+// Drops pairs that an edge line separates in float32. triangles_of(record) loads the triangles of *record(lane); each
+// coordinate of a difference of two of their corners errs by at most `delta` beyond its own rounding.
 template <class TrianglesOf>
 HWY_INLINE void separating_test_with(const Record* record, const CandidateChunk& candidates, float delta,
                                      TrianglesOf triangles_of, Verdicts& out) {

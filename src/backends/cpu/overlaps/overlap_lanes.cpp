@@ -1,5 +1,5 @@
-// Sums over an overlap, in double words and SIMD lanes, one table for each instruction set, from one source: Highway
-// includes this file once per target.
+// Kernels for sums over the overlap of two bodies (backends/overlap_kernels.h), in double words and SIMD lanes, one
+// table for each instruction set, from one source: Highway includes this file once per target.
 //
 // Each number has an error bound in float64. With u = 2^-53, a sum of words errs by at most 3.01 u² of itself, a
 // product by 7 u², a quotient by 15.01 u². So, from exact differences, a component of a cross product errs by 10.1 u²
@@ -31,8 +31,8 @@ using cpu::HWY_NAMESPACE::bits_of;
 constexpr double uu = 0x1p-106;  // u²
 /// Segment ends whose parameter along their edge has a larger error are uncertain.
 constexpr double largest_share_error = 0x1p-80;
-/// Roundings of the sum over a block: 3.01 u² of all terms for each addition; each vector of segments has three
-/// additions.
+/// Bound on the error of the sum over a block, relative to the sum of the terms' magnitudes: at most 3.01 u² for each
+/// addition, with up to three additions for each vector of segments.
 constexpr double of_additions = 5 * SegmentBlock::size * uu;
 
 struct Total {
@@ -107,7 +107,7 @@ struct End {
     Words at;
     Sizes size, error;
     hn::Mask<D> certain;
-    Words edge_end;  ///< corner at which its edge ends
+    Words edge_end;  ///< corner at which the edge ends that has this point
 };
 
 HWY_INLINE End end_of(const SegmentBlock& block, const Vec3d& origin, int e, int i) {
@@ -187,7 +187,7 @@ HWY_INLINE std::uint64_t segments(const SegmentBlock& block, const Vec3d& origin
                                 error_of_product(between, middle_size, s.error + e.error + 4 * uu * middle_size);
             moment.add(only(counts, term), only(counts, error));
         }
-        // Adds the terms of an end that lies on edge 12 of a face.
+        // Adds the terms of an end that lies on edge 12 of a face, from corner 1 to corner 2.
         const auto add_edge = [&](const End& end, int number) HWY_ATTR {
             const V jump = hn::Load(d, block.jump[number] + i);
             if (hn::AllTrue(d, hn::Eq(jump, hn::Zero(d)))) return;

@@ -1,4 +1,5 @@
-// Double words in lanes, and vectors of three of them (geometry/double_word.h has the algorithms and their bounds).
+// Double words (unevaluated sums of two float64 numbers) in lanes, and vectors of three of them. geometry/double_word.h
+// has the algorithms and their bounds.
 
 #if defined(CRUMPLE_CPU_OVERLAPS_WORDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_OVERLAPS_WORDS_INL_H_
@@ -63,7 +64,7 @@ HWY_INLINE Word operator/(Word x, Word y) {
     const V remainder = hn::Add(hn::Sub(x.high, product.high), hn::Sub(x.low, product.low));
     return fast_two_sum(quotient, hn::Div(remainder, y.high));
 }
-/// Returns x times `factor`, a power of two or 0.
+/// Returns x times `factor`, which must be 0 or a power of two, of either sign. Exact.
 HWY_INLINE Word scaled(Word x, V factor) { return {hn::Mul(x.high, factor), hn::Mul(x.low, factor)}; }
 
 /// Vectors of three words, and of three bounds or magnitudes.

@@ -1,11 +1,13 @@
 // Membership of balls in clusters (stage `subdivide`), a vector of balls at a time.
 //
-// The first pass over the centres finds the nearest one. If there are many centres, a looser but cheaper rule comes
-// first: d_k <= d_min + 2 r, as d_k^2 <= (d_min + 2 r)^2. Nearly all centres fail it for all balls of a vector, since
-// neighbours in the array tend to be neighbours in space. The few centres that are left become the bits of an integer,
-// so that only the exit of the loop over them is mispredicted. The bisector rule decides these centres; its factor
-// |v_k - v_nearest| is gathered. If there are few centres, as in the second level, the bisector rule decides all of
-// them without a loop over bits: the factors of one centre fit a register.
+// Let d_k be the distance of a ball's centre from cluster centre v_k, d_min the least of these distances, and r the
+// ball's radius. The first pass over the cluster centres finds the nearest one. If there are many, a looser but cheaper
+// rule than the bisector rule (joins() in geometry/ball.h) comes first: d_k <= d_min + 2 r, as d_k^2 <= (d_min + 2
+// r)^2. Nearly all cluster centres fail it for all balls of a vector, since neighbours in the array tend to be
+// neighbours in space. The few that are left become the bits of an integer, so that only the exit of the loop over them
+// is mispredicted. The bisector rule decides these; its factor |v_k - v_nearest| is gathered. If there are few cluster
+// centres, as in the second level, the bisector rule decides all of them without a loop over bits: the factors of one
+// cluster centre fit a register.
 
 #if defined(CRUMPLE_CPU_SIMD_ASSIGN_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_ASSIGN_INL_H_
@@ -98,7 +100,7 @@ inline std::int64_t list_members(const std::uint64_t* mask, std::int64_t begin, 
     const auto low_bit = hn::Set(du, static_cast<std::uint32_t>(bit)),
                high_bit = hn::Set(du, static_cast<std::uint32_t>(bit >> 32)), none = hn::Zero(du);
     const auto iota = hn::Iota(d, 0);
-    // Another thread may be writing what lies past `end`.
+    // Masks of the last, incomplete vector are copied: another thread may be writing the masks past `end`.
     HWY_ALIGN std::uint64_t rest[hn::MaxLanes(d)] = {};
     const std::int64_t whole = end - (end - begin) % lanes;
     std::copy(mask + whole, mask + end, rest);

@@ -28,7 +28,7 @@ HWY_INLINE void balls_from(const Points& points, const Points& stop, const std::
     for (std::int64_t t = begin; t < end; t += blocks) {
         const std::int32_t* corner[blocks];
         for (int b = 0; b < blocks; ++b) {
-            // Another core may just have written many of the corners.
+            // Prefetches the vertices of later triangles: another core may just have written many of them.
             const std::int32_t* ahead = corners + 3 * std::min(t + b + 32, end - 1);
             for (int k = 0; k < 3; ++k) {
                 hwy::Prefetch(points.row(ahead[k]));

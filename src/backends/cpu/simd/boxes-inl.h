@@ -1,5 +1,6 @@
-// Boxes of a leaf's members in its frame (stage `align`), one member in each block of 128 bits, and their quantisation
-// for `sort`. A query's `build` calls BoxLanes while it has the corners in registers.
+// Boxes of a leaf's members in the leaf's frame (stage `align`), one member in each block of 128 bits of a vector, and
+// their quantisation for `sort`. A leaf is a small set of triangles, its members, that one sweep searches. A query's
+// `build` (LeafQuery::build) calls BoxLanes while it has the corners in registers.
 
 #if defined(CRUMPLE_CPU_SIMD_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_BOXES_INL_H_
@@ -58,9 +59,9 @@ class BoxLanes {
         reach_ = hn::Max(reach_, size);
     }
 
-    /// Takes big members out before count(), if any_big(): widens their boxes one by one, calls rewrite(i) for each,
-    /// and removes them from `box` and `size`. Kept out of the loop, and static, so that the vectors of *this stay in
-    /// registers.
+    /// Excludes big members (geometry/leaf_frame.h) from count(); call before it if any_big(). Widens their boxes one
+    /// by one, calls rewrite(i) for each, and makes them empty in `box` and `size`. Not inlined, and static, so that
+    /// the vectors of *this stay in registers.
     template <class Rewrite>
     static HWY_NOINLINE void replace_big(const BuildInput& in, std::int64_t first, Box& box, V& size, Boxes& boxes,
                                          LeafBounds& bounds, Rewrite rewrite) {

@@ -11,7 +11,7 @@
 namespace crumple::cpu {
 
 /// Tables for selections of columns. A selection has one bit per column. The bits of 32 columns are in the order 0 to
-/// 7, 16 to 23, 8 to 15, 24 to 31, because two vectors are packed half by half.
+/// 7, 16 to 23, 8 to 15, 24 to 31, because AVX2 packs two vectors half by half.
 template <std::size_t columns>
 struct ColumnTables {
     static constexpr std::size_t eights = columns / 8;

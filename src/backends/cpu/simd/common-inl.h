@@ -1,5 +1,5 @@
-// Helpers that the SIMD kernels share. Included once for each instruction set, between HWY_BEFORE_NAMESPACE and
-// HWY_AFTER_NAMESPACE.
+// Helpers that the SIMD kernels share. Compiled once for each instruction set: the code between HWY_BEFORE_NAMESPACE
+// and HWY_AFTER_NAMESPACE.
 
 #if defined(CRUMPLE_CPU_SIMD_COMMON_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_COMMON_INL_H_
@@ -34,7 +34,7 @@ HWY_INLINE void repeat_last(Array<std::uint32_t>& list, std::size_t lanes) {
     std::fill_n(list.data() + count, lanes, count ? list[count - 1] : 0u);
 }
 
-/// Number of 128-bit blocks in a vector: rows of four that are processed at once.
+/// Number of blocks of 128 bits in a vector. A block has four lanes, such as a row x, y, z and padding.
 constexpr int blocks = static_cast<int>(hn::MaxLanes(hn::ScalableTag<float>())) / 4;
 
 /// Return blocks 0 and 2, or 1 and 3, of two vectors of four blocks each.
@@ -52,7 +52,8 @@ HWY_INLINE V odd_blocks(V low, V high) {
 /// Transposes four vectors of four blocks; its own inverse.
 template <class D, class V>
 HWY_INLINE void transpose_blocks(D d, V& a, V& b, V& c, V& e) {
-    // Rows 0 and 2, 1 and 3 are joined first, so that the interleaving of blocks restores the order.
+    // Halves of vectors 0 and 2, and of 1 and 3, are joined first, so that exchanging adjacent blocks completes the
+    // transpose.
     const V even = hn::ConcatLowerLower(d, c, a), odd = hn::ConcatLowerLower(d, e, b);
     const V even2 = hn::ConcatUpperUpper(d, c, a), odd2 = hn::ConcatUpperUpper(d, e, b);
     a = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(odd), even);

@@ -8,8 +8,8 @@
 
 namespace crumple::cpu {
 
-/// Shuffle for each mask of `lanes` lanes: for each destination entry, the index of its source, in pieces of `pieces`
-/// bytes.
+/// Shuffle for each mask of `lanes` lanes. The shuffle moves lanes in `pieces` pieces each; for each piece of the
+/// packed vector, the table has the index of its source.
 template <std::size_t lanes, std::size_t pieces>
 struct CompressTable {
     alignas(64) std::uint8_t order[std::size_t{1} << lanes][lanes * pieces];

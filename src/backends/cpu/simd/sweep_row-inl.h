@@ -1,8 +1,9 @@
-// One row of the sweep: tests its box against a vector of columns, and lists the columns that overlap and whose pairs
-// the leaf owns.
+// One row of the sweep, that is, one triangle of a leaf: tests its box against those of other triangles, the columns, a
+// vector at a time, and lists the columns whose boxes overlap the row's and whose pair with the row the leaf owns
+// (stages/ownership.h): triangles with a common ownership bit are a pair of another leaf.
 //
 // Two intervals are apart iff one starts after the other's end, that is, iff a saturated difference is not zero. So
-// four differences and the common ownership bits, ORed, are zero exactly for the candidates that the leaf owns.
+// four differences and the common ownership bits, ORed, are zero exactly for the columns to list.
 //
 // AVX-512 compares one axis straight to masks instead: comparisons and differences run on different units, which then
 // share the work; an instruction packs the column numbers. Elsewhere, two vectors are packed to bytes, whose comparison
@@ -96,7 +97,7 @@ HWY_INLINE std::int64_t sweep_row(const BoxColumns& of, std::int64_t row, std::i
 constexpr std::int64_t columns_a_step = 2 * hn::MaxLanes(Columns());
 constexpr const auto& column_order = column_tables<columns_a_step>;
 
-/// Returns a bit for each column that is zero in two vectors, in the order of `column_order`.
+/// Returns one bit for each lane of two vectors, 1 if the lane is zero, in the order of `column_order`.
 HWY_INLINE std::uint32_t zeros(ColumnVector first, ColumnVector second) {
     const hn::Repartition<std::int8_t, Columns> bytes;
     // Packs both in one vector, with AVX2 half by half; saturation keeps zero zero, and nonzero nonzero.

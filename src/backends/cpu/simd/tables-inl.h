@@ -1,6 +1,7 @@
-// Tables of a foreach_target file, best first: `table` of each target's namespace. Included once, in the namespace that
-// encloses these, where `Kernels` is the type of the tables. Targets that Highway does not build for this architecture
-// are left out. The last entry never runs: an array must have an element.
+// Tables of a source file that Highway compiles once per target (instruction set), the best one first: `table` of each
+// target's namespace. To be included once per source file, in the namespace that encloses these namespaces, where
+// `Kernels` is the type of the tables. Targets that Highway does not build for this architecture are left out. The last
+// entry is never chosen; it is there because an array must have an element.
 
 constexpr Table<Kernels> tables[] = {
 #if HWY_TARGETS & HWY_AVX3_DL

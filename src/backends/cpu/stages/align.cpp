@@ -19,7 +19,7 @@ LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const st
     Vec3d mean;
     double radius = 0;
     for (std::int64_t i = 0; i < samples; ++i) {
-        if (i % edges_every == 0) __builtin_prefetch(corner(i));  // indices; below, the vertices: both are scattered
+        if (i % edges_every == 0) __builtin_prefetch(corner(i));  // indices are scattered in memory, as vertices are
         mean = mean + share * centroid(i);
         radius += share * ball(i).r;
     }

@@ -1,11 +1,11 @@
 #pragma once
 
-// Stage `align`: the frame in which a leaf is swept, by principal component analysis of its members' centroids ([MZ]
-// sec. 3, eq. 1), and its members' boxes in that frame. The query's `build` writes the boxes, together with its
-// records, from one gather of the corners.
+// Stage `align`: the frame in which a leaf is swept, by principal component analysis of its members' centroids (sec. 3,
+// eq. 1 of [MZ], the paper cited in ARCHITECTURE.md), and its members' boxes in that frame. The query's `build`
+// (LeafQuery::build) writes the boxes, together with its records, from one gather of the corners.
 //
 // The first axis is the direction in which the centroids spread most, estimated from up to 128 members that are evenly
-// spaced in the list. The other two axes are turned to lie along edges, those of up to 32 members. Any frame is
+// spaced in the list. The other two axes are turned to lie along the edges of up to 32 of these members. Any frame is
 // correct; boxes carry a margin that covers the rounding of the rotation (docs/align.md).
 
 #include "backends/cpu/stages/leaf_members.h"
@@ -16,7 +16,7 @@ namespace crumple::cpu {
 LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const std::int32_t* corners,
                      const LeafMembers& members);
 
-/// Writes the box of the leaf's member i and updates the leaf's bounds: one step of a scalar `build`.
+/// Writes the box of the leaf's member i and updates the leaf's bounds, for a `build` without SIMD.
 template <int corners>
 void add_box(const InFrame<corners>& member, std::int64_t i, Boxes& boxes, LeafBounds& bounds) {
     boxes.low[static_cast<std::size_t>(i)] = {member.low.x, member.low.y, member.low.z, 0};

@@ -31,7 +31,7 @@ void normalise(const PreparedScene& scene, Workers& workers, Array<T>& points) {
     });
 }
 
-// Computes balls that hold the swept volumes of triangles [begin, end), each with its own inflation.
+// Computes balls that contain the swept volumes of triangles [begin, end), each inflated as its triangle requires.
 void swept_balls(const PreparedScene& scene, const PointRows& rows, const Inflation& inflation, std::int64_t begin,
                  std::int64_t end, Ball* ball) {
     const std::int64_t ends = scene.moving ? scene.vertex_count() : 0;
@@ -82,7 +82,7 @@ void exclude_far(const PreparedScene& scene, Workers& workers, const Array<Ball>
     Vec3f low[2], high[2];
     for (std::size_t side = 0; side < 2; ++side)
         for (int axis = 0; axis < 3; ++axis) {
-            // A mesh without vertices has infinite bounds with low > high; bounds of +-4 are beyond every ball, too.
+            // A mesh without vertices has infinite bounds with low > high. Bounds of +-4 exclude every ball, too.
             const auto bound = [&](Vec3d corner) {
                 return static_cast<float>(std::clamp(normaliser(corner)[axis], -4.0, 4.0));
             };

@@ -1,9 +1,9 @@
 #pragma once
 
 // Stage `bounds`: normalised vertices, and a ball around each triangle: its centroid, and the largest distance from
-// there to a corner ([MZ] eq. 5, but per triangle).
+// there to a corner (eq. 5 of [MZ], the paper cited in ARCHITECTURE.md, but per triangle).
 //
-// Centroid and radius are float32; the radius is widened so that the ball about the rounded centroid holds the
+// Centroid and radius are float32; the radius is widened so that the ball about the rounded centroid contains the
 // triangle.
 
 #include "backends/cpu/parallel.h"
@@ -13,8 +13,8 @@
 
 namespace crumple::cpu {
 
-/// Computes normalised vertices and balls. If the scene moves, a ball holds the swept volume of its triangle. Returns
-/// true if a triangle has a repeated vertex.
+/// Computes normalised vertices and balls. If the scene moves, a ball contains the swept volume of its triangle.
+/// Returns true if a triangle has a repeated vertex.
 bool compute_bounds(const PreparedScene& scene, const Inflation& inflation, const StageKernels& kernels,
                     Workers& workers, Points& points, Array<Ball>& balls);
 

@@ -6,10 +6,12 @@
 // Two triangles with the same vertices, fewer than three distinct ones, do not collide (docs/contract.md), however many
 // lie at one place. Whether one of them collides with another triangle depends only on its vertices and its group. So
 // one triangle of each class of duplicates is searched, and the pairs in which it is found are repeated for the others.
-// Triangles of a class have the same corners in the same order: rounding makes balls and memberships in parts depend on
-// the order, so this makes them equal, too. The vertices of a segment make six classes at most.
+// Triangles of a class have the same corners in the same order. Because of rounding, balls and memberships in parts
+// depend on the order, so these are equal within a class, too. At most six classes have the same two vertices, as there
+// are six orders.
 //
-// Layout: next[t] is the class's next triangle after t, by ascending id, or -1. Empty if no class has two members.
+// Layout: next[t] is the class's next triangle after t, by ascending id, or -1. `next` is empty if no class has two
+// members.
 
 #include <algorithm>
 #include <cstdint>
@@ -39,10 +41,10 @@ class Copies {
     /// Excludes all triangles but the first of each class. An empty `included` means that all are included.
     void leave_out(Array<std::uint8_t>& included) const;
 
-    /// Returns how many pairs a pair of first triangles stands for, itself included.
+    /// Returns how many pairs a pair of two classes' first triangles stands for, itself included.
     std::int64_t count(Pair pair) const { return empty() ? 1 : size(pair.a) * size(pair.b); }
 
-    /// Calls visit for each of these pairs, lower id first.
+    /// Calls visit for each pair that `pair` stands for, itself included; each with the lower id first.
     template <class Visit>
     void for_each(Pair pair, Cancellation& cancellation, Visit visit) const {
         if (empty()) {

@@ -10,9 +10,11 @@
 //   sweep       SortedLeaf       -> CandidateChunk: pairs whose boxes overlap, in groups of four
 //   narrow      CandidateChunk   -> rows of a result, by kind of query
 //
-// Sorted members are stored in blocks of `block_members`, each followed by one dummy that overlaps nothing, so that a
-// column number fits 16 bits. The physical position of member j is j + j / block_members. Nearly every leaf has one
-// block.
+// A leaf is a small set of triangles, its members, that one sweep searches. After `sort`, each member has a row; the
+// sweep tests each row with other rows, its columns, and a candidate is a pair of a row and a column. Rows are stored
+// in blocks of `block_members` members, each followed by one dummy that overlaps nothing, so that the offset of a
+// column from its block fits 16 bits. The physical position (row) of the j-th sorted member is j + j / block_members.
+// Nearly every leaf has one block.
 
 #include <cstdint>
 #include <limits>
@@ -54,7 +56,7 @@ struct alignas(16) QuantisedBox {
     std::uint16_t low_x, high_x;
 };
 
-inline constexpr int block_stride = 65472;  ///< a multiple of the widest vector of 16-bit lanes
+inline constexpr int block_stride = 65472;  ///< rows per block; a multiple of the widest vector of 16-bit lanes
 inline constexpr int block_members = block_stride - 1;
 
 inline std::int64_t physical(std::int64_t member) { return member + member / block_members; }
@@ -88,7 +90,7 @@ struct LeafBounds {
 };
 
 struct RowLink {
-    std::int32_t end;       ///< physical end of the row's columns; later ones start beyond its interval
+    std::int32_t end;       ///< physical end of the row's columns: members from there on start behind its interval
     std::int32_t triangle;  ///< id in the scene
 };
 
@@ -99,10 +101,10 @@ struct SortedLeaf {
     Array<std::int32_t> position;  ///< physical position of each member, in the order of LeafMembers
     Array<std::uint16_t> low_y, high_y, low_z, high_z;
     Array<std::uint16_t> lower;  ///< ownership bits; the leaf does not own pairs with a common bit
-    Array<std::int32_t> begin;   ///< first row to test with; empty: the next one
+    Array<std::int32_t> begin;   ///< first column of each row; empty: the next row
     Array<RowLink> link;
     Array<std::int32_t> member;  ///< position in the subdivision's member arrays
-    std::int64_t work = 0;       ///< sum of end - begin over rows: interval tests ([MZ] sec. 3.1)
+    std::int64_t work = 0;       ///< number of interval tests: sum of the rows' numbers of columns
     std::int64_t begin_of(std::int64_t row) const {
         return begin.empty() ? row + 1 : begin[static_cast<std::size_t>(row)];
     }

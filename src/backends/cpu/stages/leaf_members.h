@@ -23,7 +23,7 @@ struct LeafMembers {
 
     void reserve(std::size_t n);
 
-    /// Lists the leaf's members, by id, and reserves the arrays that the next stages write.
+    /// Lists the leaf's members, in ascending order of triangles, and reserves the arrays that the next stages write.
     void gather(const PreparedScene& scene, const Subdivision& subdivision, const Leaf& leaf);
 };
 

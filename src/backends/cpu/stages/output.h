@@ -13,8 +13,8 @@ namespace crumple::cpu {
 
 using OutputScratch = PairSorting;
 
-/// Fills pairs, offsets and hit flags of the result. `found[w]`: the pairs of worker w, in the joint numbering of the
-/// scene, lower id first.
+/// Fills pairs, offsets and hit flags of the result. `found[w]`: the pairs of worker w, lower id first, numbered as in
+/// the scene, where the triangles of a second mesh follow those of the first.
 void write_output(const PreparedScene& scene, Workers& workers, std::span<const Array<Pair>* const> found,
                   OutputScratch& scratch, Intersections& result);
 

@@ -1,13 +1,15 @@
 #pragma once
 
-// Decides whether a leaf owns a pair, so that each pair is handled once. A leaf owns a pair iff no lower cluster of any
-// level holds both triangles: none of the levels above the scene, if the scene is a part, none of the first level below
-// k1, and none of the second below k2. If the pair filter excludes pairs within a group, triangles of one group count
-// as members of a common lower cluster, too.
+// Ownership of pairs of triangles by leaves, so that each pair is handled once. Clusters overlap, so several leaves may
+// contain both triangles. Leaf (k1, k2), child k2 of cluster k1, owns the pair iff no lower cluster contains both
+// triangles: no cluster below k1 in the first level, no child of k1 below k2 in the second and, if the scene is a part
+// of a larger one, no cluster below the part's in the levels above (docs/subdivide.md). If the pair filter excludes
+// pairs within a group, triangles of one group count as members of a common lower cluster, too.
 //
-// The sweep needs this as 16 bits per member, so that one AND decides. Up to 16 lower clusters are copied from the
-// masks. If there are more, each cluster that occurs in the leaf gets a bit; in the rare leaf with more than 16 of
-// them, the rest is looked up in the masks, for pairs that passed the filters.
+// The sweep needs this as 16 bits per member, the ownership bits, so that one AND decides. If there are up to 16 lower
+// clusters, their bits are copied from the masks. If there are more, each of them that occurs in the leaf gets a bit;
+// in the rare leaf in which more than 16 occur, the remaining ones are looked up in the masks, for pairs that passed
+// the filters.
 
 #include <algorithm>
 #include <array>
@@ -37,7 +39,7 @@ class Ownership {
         complete_ = true;
         int lane = 0;
         std::fill(lower, lower + n, std::uint16_t{0});
-        // Groups need bits, too, so clusters take as few as possible.
+        // If groups need bits, too, clusters get as few as possible.
         const bool as_they_are = !groups_apart && clusters_ <= 16;
         for (std::size_t l = 0; l < count_; ++l) {
             const Level& level = level_[l];
@@ -56,7 +58,7 @@ class Ownership {
             lower[i] = static_cast<std::uint16_t>(lower[i] | groups.bit(scene_, triangle[i]) << lane);
     }
 
-    /// True if the bits cover all clusters; otherwise call owns() for each pair that passes them.
+    /// True if the bits cover all lower clusters. Otherwise call owns() for each pair of members without a common bit.
     bool complete() const { return complete_; }
 
     bool owns(std::int32_t triangle_a, std::int32_t member_a, std::int32_t triangle_b, std::int32_t member_b) const {
@@ -80,7 +82,7 @@ class Ownership {
     };
 
     void add_level(const std::uint64_t* masks, int cluster, bool by_member) {
-        if (cluster <= 0) return;  // the lowest cluster, or not split
+        if (cluster <= 0) return;  // the cluster is the lowest or, if -1, was not split: there is no lower one
         level_[count_++] = {masks, cluster, by_member};
         clusters_ += cluster;
     }

@@ -34,9 +34,11 @@ void count_bins(const QuantisedBox* box, std::int64_t first, std::int64_t last, 
     for (int b = 0; b < bins; ++b) start[b + 1] += start[b];
 }
 
-// Places the members of one side, or all if there is a single mesh, by a counting sort of their starts, and writes each
-// member's data straight to its row. A row's columns are the members of the other side from its start on; if both
-// starts are in one bin, the row of the first side has the pair. Returns the number of interval tests.
+// Sorts the members of one mesh (`side` 0 or 1) by a counting sort of their starts, and writes each member's data
+// straight to its row. `own` and `other`: where the bins of this mesh and of the other one start. With a single mesh, a
+// row's columns are the later rows, up to the bin of the row's end. Between two meshes, they are the members of the
+// other mesh from the bin after that of the row's start to the bin of its end and, for a row of the first mesh, also
+// those in the bin of its start. Returns the number of interval tests.
 template <bool one_block, bool between>
 std::int64_t place(const LeafMembers& in, int side, const BinStarts& own, const BinStarts& other, SortScratch& scratch,
                    SortedLeaf& s) {
@@ -93,8 +95,8 @@ void reserve(std::int64_t members, bool between, SortScratch& scratch, SortedLea
 void sort_leaf(const LeafMembers& in, const StageKernels& kernels, SortScratch& scratch, SortedLeaf& s) {
     const LeafBounds& bounds = in.bounds;
     const auto members = in.size();
-    // Range of quantisation. The margin moves starts down and ends up, by way of the base that is subtracted
-    // (docs/align.md).
+    // Chooses the range of quantisation. Margins of boxes are part of the bases: subtracting a larger base from starts
+    // and a smaller one from ends moves starts down and ends up (docs/align.md).
     const bool any = bounds.low.x <= bounds.high.x;
     Quantisation by{};
     for (int axis = 0; axis < 3; ++axis) {

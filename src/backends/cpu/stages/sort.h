@@ -1,13 +1,14 @@
 #pragma once
 
-// Stage `sort`: sorts a leaf's members by the start of their interval along the sweep direction ([MZ] sec. 3).
+// Stage `sort`: sorts a leaf's members by the start of their interval along the sweep direction (sec. 3 of [MZ], the
+// paper cited in ARCHITECTURE.md).
 //
 // Only boxes are sorted here. A query scatters its own records, by SortedLeaf::position.
 //
 // Boxes are quantised to 16 bits over the leaf's range, and starts are sorted by their upper ten bits: a counting sort
-// of 1,024 bins, one pass. A row's columns are then all members up to the bin that holds its end; members of one bin
-// may stand in any order, since only `end` decides. Rounding starts and ends by the same monotone map keeps every
-// overlap.
+// of 1,024 bins, one pass. A row's columns, the members that the sweep tests it with, are then all later rows up to the
+// bin that contains the end of its interval. Members of one bin may have any order, because a row's columns depend on
+// bins only. Rounding starts and ends by the same monotone map keeps every overlap.
 
 #include "backends/cpu/stages/kernels.h"
 #include "backends/cpu/stages/leaf_members.h"

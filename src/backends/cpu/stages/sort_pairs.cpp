@@ -16,7 +16,7 @@ int bucket_bits_for(std::int32_t firsts) {
     return bits;
 }
 
-// Turns the count of each digit into the place of its first key.
+// Replaces the count of keys with each digit by the place of the first such key.
 void to_places(std::int64_t* count, std::int64_t digits) {
     std::int64_t sum = 0;
     for (std::int64_t digit = 0; digit < digits; ++digit) sum += std::exchange(count[digit], sum);

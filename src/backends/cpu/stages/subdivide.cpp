@@ -32,8 +32,8 @@ FuzzyOptions fuzzy(const Options& options, bool first) {
 }
 
 // Writes the members of clusters [begin, end), cluster by cluster, in the order of triangles: prefix sums of the counts
-// give each chunk of triangles its places. Members are found by comparing lanes: the exit of a loop over a mask's bits
-// would be mispredicted.
+// give each chunk of triangles its places. Members are found by testing one bit of all masks after another in SIMD
+// lanes: the exit of a loop over the bits of one mask would be mispredicted.
 void scatter_members(std::int64_t n, int begin, int end, const StageKernels& kernels, Workers& workers,
                      Subdivision& s) {
     const auto chunks = static_cast<std::size_t>((n + chunk - 1) / chunk);
@@ -48,7 +48,8 @@ void scatter_members(std::int64_t n, int begin, int end, const StageKernels& ker
         }
     }
     s.first[static_cast<std::size_t>(end)] = total;
-    // Member positions are int32. A single cluster has no more members than there are triangles.
+    // Member positions are int32. After Exceeded, callers repeat the search with Call::low_memory, one cluster at a
+    // time, which has no more members than there are triangles.
     if (total > std::numeric_limits<std::int32_t>::max()) throw MemoryMeter::Exceeded{};
     s.id.resize_discard(static_cast<std::size_t>(total));
     s.mask2.resize_discard(static_cast<std::size_t>(total));
@@ -162,8 +163,8 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t
     const int wanted = choose_clusters(members, options);
     s.mask1.resize_discard(static_cast<std::size_t>(n + padding));
     for (int count = wanted;; count /= 2) {
-        // A warm start has as many centres as choose_clusters() returns, or fewer if more did not pay. More are tried
-        // again once that number has doubled.
+        // Cached centres may be fewer than choose_clusters() returned when they were started, if more did not pay. They
+        // are reused unless it now returns fewer than there are, or at least twice as many as it returned then.
         const bool first = centres.count == 0 || centres.count > count || wanted >= 2 * warm.wanted;
         if (first) {
             warm.wanted = wanted;

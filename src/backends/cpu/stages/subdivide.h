@@ -1,15 +1,16 @@
 #pragma once
 
-// Stage `subdivide`: fuzzy C-means ([MZ] sec. 4) splits the scene into clusters, and large clusters again, down to
-// leaves that fit a core's cache.
+// Stage `subdivide`: fuzzy C-means (sec. 4 of [MZ], the paper cited in ARCHITECTURE.md) splits the scene into clusters,
+// and large clusters again, down to leaves that fit a core's cache.
 //
-// A triangle joins every cluster that may hold one of its points (bisector rule; proof in docs/subdivide.md), so two
-// triangles with a common point share a cluster, at every level. A cluster handles a pair only if it is the lowest one
-// that both belong to, so each pair is handled once: leaf (k1, k2) owns a pair iff no cluster below k1 holds both in
-// the first level, and none below k2 in the second. Integer operations on masks decide this.
+// A triangle joins every cluster whose centre may be the nearest to one of its points (bisector rule; proof in
+// docs/subdivide.md), so two triangles with a common point share a cluster, at every level. A cluster handles a pair
+// only if it is the lowest one that both belong to, so each pair is handled once: leaf (k1, k2), child k2 of cluster
+// k1, owns a pair iff no cluster below k1 contains both in the first level, and no child of k1 below k2 does in the
+// second. Integer operations on masks decide this.
 //
-// Layout: the members of all first-level clusters lie in flat arrays, cluster k at [first[k], first[k + 1]). A leaf is
-// a list of positions in these arrays, or (cluster not split) a range of them.
+// Layout: the members of all first-level clusters lie in flat arrays, those of cluster k at [first[k], first[k + 1]). A
+// leaf is a list of positions in these arrays or, if its cluster was not split, a range of them.
 
 #include <array>
 #include <cstdint>
@@ -21,10 +22,10 @@
 
 namespace crumple::cpu {
 
-/// Centres cached from call to call for warm starts ([MZ] sec. 4, incremental clustering).
+/// Centres cached from call to call for warm starts.
 struct WarmCentres {
     Centres level1;
-    int wanted = 0;  ///< number of first-level centres chosen when level1 was started
+    int wanted = 0;  ///< number of first-level centres that was chosen when level1 was last started anew
     std::array<Centres, max_clusters> level2;
 };
 
@@ -40,8 +41,8 @@ struct Subdivision {
         : mask1(m), mask2(m), id(m), histogram(m), place(m), leaves(m), sample(m), included(m) {
         for (auto& list : members2) list = Array<std::int32_t>(m);
     }
-    Array<std::uint64_t> mask1;                              ///< by triangle
-    Array<std::uint64_t> mask2;                              ///< by member, of clusters that are split
+    Array<std::uint64_t> mask1;                              ///< by triangle: the clusters that it belongs to
+    Array<std::uint64_t> mask2;                              ///< by member of split clusters: children it belongs to
     Array<std::int32_t> id;                                  ///< triangle, by member
     std::array<std::int64_t, max_clusters + 1> first{};      ///< first member of each cluster
     std::array<Array<std::int32_t>, max_clusters> members2;  ///< member positions, leaf by leaf

@@ -2,8 +2,8 @@
 
 // Stage `sweep` of one sorted leaf, in chunks: about 16,000 candidates are collected and passed to the query's
 // `narrow`, so that candidates stay in the cache and memory stays bounded however many there are. A chunk ends with the
-// row that fills it, so it exceeds its nominal size by one row at most. Large leaves are cut into tiles of equal work
-// by the interval tests that `sort` counts ([MZ] sec. 3.1).
+// row that fills it, so it exceeds its nominal size by one row at most. leaves.cpp cuts large leaves into tiles, ranges
+// of rows with about equal numbers of interval tests.
 
 #include <algorithm>
 
@@ -29,7 +29,7 @@ void sweep_chunks(const StageKernels& kernels, const SortedLeaf& leaf, std::int6
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
         const std::int64_t block_end = std::min(block + block_stride, leaf.rows) - 1;  // without the dummy
         const auto dummy = static_cast<std::uint16_t>(block_end - block);
-        // Within one mesh, rows lie before their columns.
+        // Within one mesh, columns come after their row, so rows behind the block have no columns in it.
         const std::int64_t end = leaf.begin.empty() ? std::min(last, block_end) : last;
         for (std::int64_t row = first; row < end;) {
             if (stop()) return;

@@ -71,7 +71,7 @@ void CandidateFinder::find_in_chunks() {
     over_chunks([&] {
         pass_.narrow(hits());
         download_hits(found);
-        if (first) {  // pairs within single triangles: once; the list holds them all
+        if (first) {  // finds pairs within single triangles once; Plan::hits suffices for all of them
             pass_.clear_counters();
             pass_.search_within(hits());
             download_hits(found);

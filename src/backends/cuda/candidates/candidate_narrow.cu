@@ -21,7 +21,7 @@ template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const Ca
 
 namespace {
 
-// Counts a hit, and returns it with its rank among those of the same first feature.
+// Counts a hit, and returns it with its rank among the hits with the same first feature.
 __device__ RankedCandidate ranked(const CandidateHits& hits, CandidateKind kind, const Pair& pair) {
     const std::uint32_t first = hits.firsts.joint(kind, pair.a);
     return {first, pair.b, static_cast<std::uint32_t>(atomicAdd(&hits.by_first[first], 1ull))};
@@ -47,7 +47,9 @@ __device__ float gap(const CandidateBox& a, const CandidateBox& b) {
 
 using HitQueue = ListQueue<RankedCandidate, 224>;
 
-/// Pair of features: rows of their triangles, and the lane of each.
+/// Pair of features: rows of their triangles, and the lane of each. Such a lane is the number of a feature in its
+/// triangle: 0 to 2 for vertices, 3 to 5 for edges, 6 for the face (CandidateRecord). It has nothing to do with the
+/// lanes of a warp.
 struct LanePair {
     Candidate rows;
     std::uint32_t a, b;
@@ -61,7 +63,8 @@ struct PairShared {
     } warp[threads / 32];
 };
 
-// Requested pairs of lanes, one bit each: bit lanes * a + b for lane a of the first triangle and lane b of the second.
+// Requested pairs of features of two triangles, one bit each: bit lanes * a + b for lane a of the first triangle and
+// lane b of the second.
 class SelectedLanes {
    public:
     static constexpr int lanes = candidate_lanes - 1;

@@ -1,8 +1,8 @@
 #pragma once
 
-// Stages `narrow` and `output` for candidate queries: find the pairs of features whose inflated boxes overlap, one
-// owned by each triangle of a surviving pair. First features have joint numbers, as in other feature queries
-// (FirstOfKind).
+// Stages `narrow` and `output` for candidate queries: find the pairs of features whose inflated boxes overlap. In each
+// such pair, one feature is owned by each triangle of a pair that has survived the sweep. The features that come first
+// in a pair have joint numbers, as in other feature queries (FirstOfKind).
 
 #include "backends/cuda/candidates/candidate_records.h"
 #include "backends/cuda/device/memory.h"
@@ -46,7 +46,7 @@ void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedSc
 
 struct CandidateOutput : RowsByKind {
     using Key = std::int32_t;
-    BucketedPair* bucketed;  ///< unsorted within a bucket
+    BucketedPair* bucketed;  ///< pairs by first feature; unsorted within a bucket
 
     void cut(Cutter& cutter, const FirstOfKind& features, std::size_t most);
 

@@ -1,7 +1,8 @@
 #pragma once
 
 // Records that stage `sort` of the cuda backend makes for candidate queries: boxes along the coordinate axes. `sweep`
-// keeps all pairs of triangles whose boxes overlap.
+// keeps all pairs of triangles whose boxes overlap. Here a lane is the number of a feature in its triangle: 0 to 2 for
+// vertices, 3 to 5 for edges, 6 for the face (filters/candidates/candidate_record.h).
 
 #include "backends/cuda/features/exact_points.h"
 #include "backends/cuda/stages/layout.h"
@@ -19,7 +20,7 @@ struct CandidateConditions {
     const Normaliser* normaliser = nullptr;
 
     friend bool operator==(const CandidateConditions&, const CandidateConditions&) = default;
-    /// See GraphKey::shape().
+    /// Removes addresses and values on which the choice of kernels does not depend, for GraphKey::shape().
     void forget_places() {
         features = {};
         points.scene = {};
@@ -46,7 +47,8 @@ struct CandidateConditions {
     }
 };
 
-/// Inflated box of a lane, in keys (CandidateRecord), and the id of its feature.
+/// Inflated box of a lane's feature, and the feature's id. Coordinates are keys: rounded in such a way that unequal
+/// keys have the order of the exact coordinates (CandidateRecord).
 struct alignas(16) CandidateBox {
     Vec3f low;
     std::int32_t id;
@@ -101,6 +103,7 @@ struct CandidateRows {
     }
 };
 
+/// Filter of the sweep that keeps every pair of triangles whose boxes overlap.
 struct OverlapAlone {
     struct Buffer {};
     __device__ bool keeps(bool has, const Candidate&, Buffer&) const { return has; }

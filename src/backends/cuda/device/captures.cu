@@ -15,7 +15,8 @@ unsigned long long capture_of(cudaStream_t stream) {
     return status == cudaStreamCaptureStatusActive ? id : 0;
 }
 
-// If the fork were not joined, the capture would fail when the caller ends it.
+// Joins the side branch to our stream, and our stream to `stream`, after an error. A fork that is not joined would make
+// the capture fail when the caller ends it.
 void CallersCapture::lead_back(cudaStream_t stream) const noexcept {
     try {
         if (capture_of(beside_.stream()) != 0) beside_.join(own_);

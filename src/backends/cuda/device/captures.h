@@ -1,6 +1,8 @@
 #pragma once
 
-// Stream captures that callers have begun: which one a stream takes part in, and how our work becomes part of it.
+// Stream captures that callers have begun: finds the capture that a stream takes part in, and makes work of the backend
+// part of it. "Our stream" is the backend's own; a side branch is a second stream that forks from it and joins it again
+// (Branch).
 //
 //     caller's stream   ── ... ──┐                        ┌── ...
 //     our stream                 └── pass ──┬────── pass ─┘
@@ -18,7 +20,7 @@ unsigned long long capture_of(cudaStream_t stream);
 
 class CallersCapture {
    public:
-    /// `beside`: side branch that work on `own` may fork.
+    /// `own`: our stream. `beside`: the side branch that work on our stream may fork.
     CallersCapture(const Device& device, cudaStream_t own, const Branch& beside)
         : own_(own), beside_(beside), turn_(make_event(device)) {}
 

@@ -58,8 +58,9 @@ Geometry Device::geometry() const {
 }
 
 Device::Current::Current(const Device& device) {
-    // Clears the last error of the caller's thread, say cudaErrorNotReady: CUB's launches query the last error, and
-    // would report it as theirs. It cannot be restored (docs/cuda.md).
+    // Clears the last error of the caller's thread, for example cudaErrorNotReady. CUB queries the last error when it
+    // launches a kernel, and would report the caller's error as its own. The error cannot be restored afterwards
+    // (docs/cuda.md).
     cudaGetLastError();
     CRUMPLE_CUDA(cudaGetDevice(&before_));
     if (before_ == device.index_) return;

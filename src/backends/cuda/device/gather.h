@@ -1,6 +1,6 @@
 #pragma once
 
-// Download of the exact coordinates of pairs, for rational arithmetic, which only the host can do.
+// Download of the exact coordinates of pairs of triangles, for rational arithmetic, which only the host can do.
 
 #include <algorithm>
 #include <vector>
@@ -12,7 +12,8 @@
 
 namespace crumple::cuda {
 
-/// Writes the triangles of pairs [0, n): a and b alternately, 2 n in all. `second` is added to each b.
+/// Writes the triangles of pairs [0, n): a and b alternately, 2 n in all. `second` is added to each b: the number of
+/// triangles of the first mesh if b counts from the second mesh's first triangle, else 0.
 void gather(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs, std::size_t n,
             std::int32_t second, Triangle* triangles);
 
@@ -39,7 +40,7 @@ class Gathered {
         }
     }
 
-    /// Cuts the device memory that each() needs.
+    /// Takes the device memory that each() needs for n pairs from the cutter.
     static Triangle* cut(Cutter& cutter, std::size_t n) { return cutter.take<Triangle>(2 * std::min(n, batch)); }
 
    private:

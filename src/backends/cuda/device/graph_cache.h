@@ -1,12 +1,14 @@
 #pragma once
 
-// Cache of CUDA graphs for work that is enqueued again and again. How the work is enqueued depends on whether it, or
-// work of the same shape, has been enqueued before:
+// Cache of CUDA graphs for work that is enqueued again and again. Work of the same shape (Key::shape()) launches the
+// same kernels, possibly with other addresses and lengths. How work is enqueued depends on what has been enqueued
+// before:
 //
-//     never, nor any of its shape      launch by launch, which also loads the kernels
-//     never, but work of its shape     one shared graph, updated with the new addresses and lengths
-//     once                             a graph of its own, made now
-//     more often                       that graph
+//     before                          now
+//     nothing of its shape            launch by launch, which also loads the kernels
+//     other work of its shape         one graph for all such work, updated with the new addresses and lengths
+//     the same work, once             a graph of its own, made now
+//     the same work, more often       that graph of its own
 //
 // So arrays that move from frame to frame, and lists that grow, need no new graph; a repeated frame costs one launch;
 // and no kernel is loaded during a capture.
@@ -44,7 +46,8 @@ inline GraphExec instantiate(const Graph& graph) {
     return GraphExec(executable);
 }
 
-/// Makes the executable run `graph` from its next launch on. Returns false if `graph` has other nodes.
+/// Makes the executable run `graph` from its next launch on. Returns false if CUDA cannot update the executable,
+/// because the nodes or dependencies of `graph` are others.
 inline bool update(const GraphExec& executable, const Graph& graph) {
     cudaGraphExecUpdateResultInfo result{};
     const cudaError_t error = cudaGraphExecUpdate(executable.get(), graph.get(), &result);
@@ -61,14 +64,14 @@ void forget_place(T*& place) {
     if (place) place = reinterpret_cast<T*>(alignment + reinterpret_cast<std::uintptr_t>(place) % alignment);
 }
 
-/// Cached graphs of one kind of work. `Key`: all that the work depends on. Key::shape(): the key, reduced to what the
-/// choice of kernels depends on.
+/// Cached graphs of one kind of work: the graphs of the last eight keys, and one graph for work of the latest shape.
+/// `Key`: all that the work depends on. Key::shape(): the key, reduced to what the choice of kernels depends on.
 template <class Key>
 class GraphCache {
    public:
     GraphCache(const Device& device, cudaStream_t own) : own_(own), turn_(make_event(device)) {}
 
-    /// Enqueues the work on `stream`. enqueue() enqueues it on our own stream.
+    /// Enqueues the work on `stream`, in one of the ways above. enqueue() gives the work to our own stream.
     template <class Enqueue>
     void run(const Key& key, cudaStream_t stream, Enqueue enqueue) {
         const auto found =
@@ -117,8 +120,8 @@ class GraphCache {
 
     cudaStream_t own_;
     Event turn_;
-    std::array<Kept, 8> kept_;  ///< most recently used first; enough for two slots and a few buffers in turn
-    Kept moving_;               ///< shared graph; its key is a shape
+    std::array<Kept, 8> kept_;  ///< most recently used first; enough for two slots that alternate between buffers
+    Kept moving_;               ///< graph that work of one shape shares; its key is that shape
 };
 
 }  // namespace crumple::cuda

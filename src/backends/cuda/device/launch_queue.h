@@ -51,12 +51,12 @@ class LaunchQueue {
     void synchronize() const {
         if (count_ > 0) CRUMPLE_CUDA(cudaEventSynchronize(done_[newest_].get()));
     }
-    /// Drops the launches in flight, once their passes have completed; forget() does not wait, for a device that has
-    /// failed.
+    /// Waits for the passes in flight, and drops their launches.
     void finish() {
         synchronize();
         forget();
     }
+    /// Drops the launches in flight without waiting, for a device that has failed.
     void forget() { count_ = 0; }
 
    private:

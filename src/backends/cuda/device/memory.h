@@ -71,8 +71,8 @@ bool fits(Work work) {
     return false;
 }
 
-/// Returns the bytes that lists of chunks may take: a quarter of the memory left, because members and results grow,
-/// too.
+/// Returns the bytes that the lists of a search in chunks may take (engine/finder_chunks.cu): a quarter of the memory
+/// left, because members and results grow, too.
 inline std::int64_t bytes_for_lists(const MemoryMeter& meter) {
     std::size_t free = 0, total = 0;
     CRUMPLE_CUDA(cudaMemGetInfo(&free, &total));
@@ -88,11 +88,12 @@ void copy_now(cudaStream_t stream, T* to, const T* from, std::size_t n, cudaMemc
     CRUMPLE_CUDA(cudaStreamSynchronize(stream));
 }
 
-/// Cuts a block into arrays. Without a block, only measures how much memory the arrays need.
+/// Divides a block into arrays, one after another. Without a block, only measures how much memory the arrays need.
 class Cutter {
    public:
     explicit Cutter(std::byte* block = nullptr) : block_(block) {}
     template <class T>
+    /// Returns the next n elements of the block; null without a block.
     T* take(std::size_t n) {
         static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
         const std::size_t begin = used_;

@@ -8,7 +8,7 @@
 namespace crumple::cuda {
 namespace {
 
-/// Returns where an array lies that the device cannot read; empty if the device can read it.
+/// Returns a description of where the array lies if the device cannot read it, else an empty string.
 std::string wrong_place(const void* array, int device) {
     cudaPointerAttributes attributes{};
     const cudaError_t error = cudaPointerGetAttributes(&attributes, array);

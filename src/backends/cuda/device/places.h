@@ -15,8 +15,8 @@ class Places {
    public:
     explicit Places(int device) : device_(device) {}
 
-    /// Throws Error (invalid_argument) that names the first array that the device cannot read. Addresses of the
-    /// previous call are cached, so that frames of a simulation query nothing.
+    /// Throws Error (invalid_argument) that names the first array that the device cannot read. The addresses of the
+    /// previous call are cached, so a frame whose arrays have not moved costs no CUDA call.
     void check(const MeshView& a, const MeshView* b);
     /// Checks all arrays of a shape.
     void check(const Shape& shape);

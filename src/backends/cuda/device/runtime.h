@@ -55,6 +55,8 @@ class CaptureMode {
     cudaStreamCaptureMode mode_;  ///< previous mode
 };
 
+/// Configuration of a launch. operator() launches a kernel, unless the grid is empty. Arguments are converted to the
+/// types of the kernel's parameters.
 struct Launch {
     cudaStream_t stream;
     dim3 blocks;
@@ -117,8 +119,9 @@ __device__ inline std::size_t segment_of(unsigned long long item, const unsigned
     return begin;
 }
 
-/// Returns a place of its own, counted by *counter, to each lane that passes true. All lanes of the warp call it
-/// together. The counter may exceed the capacity of a list, so that the host learns how many places were needed.
+/// Reserves a place in a list for each lane that passes true, by adding the number of these lanes to *counter, and
+/// returns the lane's place. All lanes of the warp call it together. The counter may exceed the capacity of the list,
+/// so that the host learns how many places were needed.
 __device__ inline unsigned long long append(bool wants, unsigned long long* counter) {
     const unsigned wanting = __ballot_sync(whole_warp, wants), lane = threadIdx.x % 32;
     unsigned long long first = 0;

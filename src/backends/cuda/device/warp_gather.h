@@ -44,9 +44,9 @@ class GatherBuffer {
     static_assert(sizeof(Record) % sizeof(Piece) == 0 && alignof(Record) % alignof(Piece) == 0);
     static_assert(pieces % 2 == 1 || pieces == 4 || pieces == 8);
 
-    // Returns the place of a piece, such that eight lanes that read the same piece of their records hit different
-    // banks. An odd number of pieces ensures that by itself; otherwise the order of pieces differs from record to
-    // record.
+    // Returns the place at which a piece of the record of lane `of` is stored among the pieces of that record. It is
+    // such that eight lanes that read the same piece of their records hit different banks. An odd number of pieces
+    // ensures that by itself; otherwise the order of pieces differs from record to record.
     __device__ static unsigned place(unsigned of, unsigned piece) {
         if constexpr (pieces % 2 == 1) return piece;
         return piece ^ (of / (8 / pieces) % pieces);

@@ -2,7 +2,7 @@
 
 // Queues of a warp, in shared memory. Elements that only few lanes produce at a time wait until there is one per lane,
 // so that all lanes are busy (WarpQueue), or until there are enough to reserve places in a device list with one atomic
-// (ListQueue). There is no barrier beyond the warp's.
+// (ListQueue). Only the lanes of the warp synchronize.
 
 #include "backends/cuda/device/runtime.h"
 #include "backends/cuda/stages/layout.h"
@@ -22,7 +22,7 @@ class WarpQueue {
 
     /// Adds the elements of the lanes that pass true.
     __device__ void add(bool wants, const T& element) { add(wants, element, __ballot_sync(whole_warp, wants)); }
-    /// Adds these elements; `wanting`: the ballot of the first argument.
+    /// Adds the same elements. `wanting`: the ballot of the first argument, for callers that have it already.
     __device__ void add(bool wants, const T& element, unsigned wanting) {
         if (wants) places_[size_ + static_cast<unsigned>(__popc(wanting & ((1u << lane_) - 1)))] = element;
         size_ += static_cast<unsigned>(__popc(wanting));

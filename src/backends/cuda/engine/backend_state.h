@@ -19,7 +19,7 @@ struct BackendState {
     BackendState(const Options& asked, MemoryMeter& m, Cancellation& c) : options(asked), meter(m), cancellation(c) {}
 
     /// Makes our stream wait for the work on the caller's stream. Throws Error if that stream is being captured, since
-    /// waiting for it would invalidate the capture. `whose`: begins the message, as in "a mesh's".
+    /// waiting for it would invalidate the capture. `whose`: beginning of the message, for example "a mesh's".
     void follow(void* callers_stream, const char* whose) const {
         const auto callers = static_cast<cudaStream_t>(callers_stream);
         if (capture_of(callers) != 0)

@@ -40,7 +40,7 @@ void Finder::enqueue(StageEvents* watch) {
             cudaMemcpyAsync(host_counters, stages_.counters, sizeof(Counters), cudaMemcpyDeviceToHost, stream_));
 }
 
-// Leaves the side branch of a warm-started pass forked, but not joined.
+// Enqueues a pass up to `sort`. The side branch of a warm-started pass stays forked: the caller has to join it.
 void Finder::enqueue_until_sorted(BatchedClear& batch, StageEvents* watch) {
     stages_.clear(batch);
     input().clear(batch);
@@ -86,7 +86,7 @@ bool Finder::accept() {
     const bool latest = stages_.plan == plan;
     const bool complete = plan.accepts(counters, scene().triangle_count(), options_, !is_any_output());
     if (latest) stages_.plan = plan;
-    // If one hit is enough, lists may have been too short: any hit found is valid by itself.
+    // If one hit is enough, a pass with a hit counts even if a list was too short: any hit found is valid by itself.
     const bool proven = is_any_output() && counters.hits > 0;
     if (!complete && !proven) return false;
     unsigned long long total = counters.hits;
@@ -97,15 +97,15 @@ bool Finder::accept() {
     return true;
 }
 
-// Decides on the host what the device could not, and adds the hits to the rows. Returns false if the list cannot hold
-// them, or if a later pass has overwritten it.
+// Decides on the host what the device could not, and adds the hits to the rows. Returns false if the list of hits
+// cannot hold them, or if a later pass has overwritten the list of unresolved tests.
 bool Finder::add_unresolved(const Counters& counters, unsigned long long& total) {
     if (lists_of_ != now_) return false;
     const std::size_t decided = decide_unresolved(static_cast<std::size_t>(counters.beyond));
     total += decided;
     if (is_any_output() || decided == 0) return true;
     if (!stages_.plan.accepts_hits(total)) {
-        slot().counters->hits = total;  // an incomplete replay reports it
+        slot().counters->hits = total;  // reported if this is an incomplete replay
         return false;
     }
     BatchedClear batch;
@@ -189,7 +189,8 @@ void Finder::capture(cudaStream_t stream) {
     captured_ = true;
 }
 
-// A pass ends by writing all counters. `never` is no possible number of parts, so it marks that none has ended since.
+// A pass ends by writing all counters. The value `never`, which no pass writes, marks that no pass has ended since it
+// was set.
 bool Finder::has_replayed() {
     constexpr unsigned long long never = ~0ull;
     return std::exchange(slot().counters->parts, never) != never;
@@ -200,7 +201,7 @@ bool Finder::accept_replay() {
     bool complete = false;
     try {
         complete = accept();
-    } catch (const MeshChanged&) {  // a graph is bound to its features
+    } catch (const MeshChanged&) {  // a caller's graph cannot be given the new mesh's features
     }
     if (!complete) has_grown_ = std::exchange(stages_.plan, slot().plan);
     return complete;
@@ -265,7 +266,7 @@ void Finder::place_rows(Growth growth) {
     lists_of_ = now_;
 }
 
-// Prepares lists and memory for rows, for a pass whose result this slot holds.
+// Makes the plan for a pass of the current slot, and places its lists and the memory for its rows.
 void Finder::prepare_pass() {
     plan();
     place_lists();

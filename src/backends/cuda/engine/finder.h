@@ -1,14 +1,15 @@
 #pragma once
 
-// The engine of all queries: plans and runs passes over one scene, and repeats a pass if a list was too short.
-// finder.cu has the order of the stages.
+// The engine of all queries: plans and runs passes over one scene. A pass runs all stages once; finder.cu has their
+// order.
 //
 // A plan gives each list a capacity. After a pass the host reads the counters; if a list was too short, it grows and
-// the pass is run again (stages/layout.h). If that does not fit the memory limit or the device, the scene is searched
-// in chunks: cluster by cluster, each in slices (finder_chunks.cu).
+// the pass is run again (stages/layout.h). If the lists do not fit the memory limit or the device, the scene is
+// searched in chunks: cluster by cluster, and each cluster in as many slices of its sweep as the lists require
+// (finder_chunks.cu).
 //
 // Scenes lie on the host, or on the device as meshes or bodies. For scenes on the device a pass can be launched, or put
-// into a caller's capture; a slot then holds what its wait reads (device/launch_queue.h).
+// into a caller's capture; its slot then holds the data that wait() reads (device/launch_queue.h).
 
 #include <array>
 #include <cstdint>
@@ -34,7 +35,7 @@ struct Slot {
     Pinned<Counters> counters;
     Block rows;                  ///< rows of the result
     Plan plan;                   ///< plan of its pass
-    std::uint64_t revision = 0;  ///< revision of the features that it was given; 0: none
+    std::uint64_t revision = 0;  ///< SceneFeatures::revision() of the request; 0: no feature query
     bool low_memory = false;     ///< uses as little memory as possible, so searches in chunks
     bool on_host = false;        ///< the rows lie on the host: they were found in chunks
     bool lost = true;            ///< there is no pass, or its rows were evicted
@@ -54,19 +55,21 @@ class Finder {
     /// Makes a slot current again, in the state it was left in.
     void resume(std::size_t slot);
 
-    /// Finds the result and leaves its rows in the slot. Throws MeshChanged, as do all calls that accept a pass. Worlds
-    /// side by side are not searched in chunks: if they do not fit, throws MemoryMeter::Exceeded.
+    /// Finds the result and leaves its rows in the slot. Throws MeshChanged if the caller's mesh on the device differs
+    /// from the cached one (input/known_mesh.h); so does accept_launched(). Several worlds side by side are not
+    /// searched in chunks: if they do not fit, throws MemoryMeter::Exceeded.
     void find();
     /// Enqueues a whole pass on `stream`. If memory does not suffice, marks the slot as lost instead.
     void launch(cudaStream_t stream);
-    /// After the pass has completed: returns true if it has left the whole result, for features of that revision.
+    /// To be called when the launched pass has completed. Returns true if it has left the whole result, and was
+    /// launched for features of that revision.
     bool accept_launched(std::uint64_t revision = 0);
 
     /// Puts a whole pass into the capture of `stream`: each replay is a pass. Its memory does not move until
     /// claim_slot() is called. Throws CapacityError unless two calls of the same kind precede it: the first places the
     /// lists, the second loads the kernels of a warm-started pass.
     void capture(cudaStream_t stream);
-    /// Returns true if a replay has completed since the capture, or since the last call of this.
+    /// Returns true if a replay has completed since the capture, or since the last call of this function.
     bool has_replayed();
     /// To be called after has_replayed(): returns true if the last replay has left the whole result. If not, the next
     /// pass has longer lists.
@@ -83,35 +86,38 @@ class Finder {
    protected:
     Finder(BackendState& state, Pass& stages);
 
-    // ---- Operations of a kind of query, in the order of use. Its Pass has the boxes, records and filters.
+    // ---- Operations that depend on the kind of query, in the order of their use. Boxes, records and filters are in
+    // its Pass.
 
     /// Binds the pass to the slot's scene and query. Overriders call this first.
     virtual void bind();
     virtual KernelParameters parameters() const = 0;
-    /// True if there are codimensional edges or points, which need lists of tests of all kinds.
+    /// True if there are codimensional edges or points, so that lists for tests of all FeatureKinds are needed.
     virtual bool all_kinds() const { return false; }
-    /// True if the request is only for a flag, true if there is a hit. Then no hit is listed.
+    /// True if only a flag is requested: true if there is any hit. Hits are then counted, not listed.
     virtual bool is_any_output() const { return false; }
 
     /// Choose capacities for a scene of another kind than the last one, and for a search in chunks whose lists take at
     /// most about `bytes`.
     virtual void choose_plan(Plan& plan) const = 0;
     virtual void choose_chunks(Plan& plan, std::int64_t bytes) const = 0;
-    /// Cuts the arrays of the result, for as many rows as the plan has hits.
+    /// Takes the arrays of the result, with capacity for Plan::hits rows, from the cutter.
     virtual void cut_rows(Cutter& cutter) = 0;
     virtual void clear_rows(BatchedClear& batch) const = 0;
-    /// Enqueues work between that of the input and stage `bounds`.
+    /// Enqueues what the query needs after the work of the input (Input::enqueue) and before stage `bounds`.
     virtual void make_ready() {}
     virtual void narrow() = 0;
     /// Enqueues stage `output`. Returns true if one of its kernels copies the counters to `host_counters`, which is
     /// pinned memory or null.
     virtual bool write_rows(Counters* host_counters) = 0;
-    /// Adds the statistics of the filters.
+    /// Adds the numbers of tests that the filters and the exact decision have made to the statistics.
     virtual void count_tests(const Counters& counters, Statistics& statistics) const = 0;
 
-    /// Decides on the host the tests that the device could not decide, and returns the number of hits among them.
+    /// Decides on the host the given number of tests, which the device could not decide. Returns the number of hits
+    /// among them.
     virtual std::size_t decide_unresolved(std::size_t) { return 0; }
-    /// Appends these hits to the list, which has `before` hits, and ranks all hits anew.
+    /// Appends to the list of hits those that decide_unresolved() has found, and ranks all hits anew. Arguments: their
+    /// number, and the number of hits in the list before.
     virtual void append_decided(std::size_t, unsigned long long) {}
     /// Reads what the host needs of a complete result with `total` hits.
     virtual void read_rows(unsigned long long total) = 0;
@@ -143,11 +149,12 @@ class Finder {
     bool fits_at_once(FunctionRef<void()> work);
     void refuse_at_once() { too_many_ = scene().triangle_count(); }
     bool refuses_at_once() const { return scene().triangle_count() >= too_many_; }
-    /// Throws MemoryMeter::Exceeded for worlds side by side or posed: fewer worlds at once need less memory than chunks
-    /// of all, and chunks cannot name pairs by bodies.
+    /// Throws MemoryMeter::Exceeded if the scene consists of worlds side by side or of posed bodies, which are not
+    /// searched in chunks: the caller saves more memory by searching fewer worlds at once, and chunks cannot name pairs
+    /// by bodies.
     void refuse_worlds() const;
-    /// Runs work() with lists of chunks as long as memory seems to allow, and again with the shortest ones if they did
-    /// not fit.
+    /// Runs work() with lists as long as memory seems to allow for a search in chunks, and again with the shortest ones
+    /// if they did not fit.
     void in_chunks(FunctionRef<void()> work);
     /// Searches cluster by cluster: calls slice() for each slice whose pairs of triangles fit their list, until it
     /// returns false.
@@ -212,11 +219,11 @@ class Finder {
     Block warm_starts_, work_;
     SceneKind planned_for_;
     std::size_t now_ = 0;                ///< current slot
-    std::size_t lists_of_ = nobody;      ///< slot whose pass last used the lists
+    std::size_t lists_of_ = nobody;      ///< slot whose pass used the lists last, or nobody
     std::optional<Layout> layout_done_;  ///< layout of the lists as they are placed now
     std::optional<Plan> has_grown_;      ///< plan that the last incomplete replay requires
     bool alone_ = false;
-    std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles that did not fit
+    std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles of a scene that did not fit
 };
 
 }  // namespace crumple::cuda

@@ -55,7 +55,8 @@ void Finder::over_chunks(FunctionRef<bool()> slice) {
     }
 }
 
-// Halves a slice until its pairs of triangles fit their list; then all other lists fit, too.
+// Sweeps a cluster in slices. Halves a slice until its pairs of triangles fit their list; then all other lists suffice,
+// too.
 bool Finder::over_slices(FunctionRef<bool()> narrow_slice) {
     for (Slice slice{}; slice.turn < slice.turns;) {
         cancellation_.check();

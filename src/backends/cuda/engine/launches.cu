@@ -29,8 +29,8 @@ LaunchNumber Launches::launch(Finder& finder, cudaStream_t stream, cudaStream_t 
     return ++newest_;
 }
 
-// Does not allocate, free, copy or wait. Where that would be necessary, CapacityError is thrown, and turned into an
-// Error.
+// Does not allocate, free, copy or wait. Where one of these is necessary, bind() or capture() throws CapacityError,
+// which becomes an Error.
 LaunchNumber Launches::launch_in_capture(Finder& finder, bool of_worlds, bool same_capture, cudaStream_t stream,
                                          FunctionRef<void()> bind) {
     if (flights_.count() > 0) refuse("a launch in a capture comes after wait() for the one before");
@@ -68,7 +68,7 @@ Launches::Outcome Launches::wait(Finder& finder, std::uint64_t revision) {
     return Outcome::lost;
 }
 
-// The caller has waited for the stream of the replay.
+// Requires that the caller has synchronized with the stream on which the graph was replayed.
 Launches::Outcome Launches::wait_for_replay(Finder& finder) {
     refuse_open_capture();
     if (!finder.has_replayed()) refuse("wait() needs a replay of the captured launch before it");
@@ -82,7 +82,7 @@ bool Launches::capture_is_open() const {
     return status != cudaStreamCaptureStatusNone;
 }
 
-// Our streams take part in an open capture, and any work enqueued on them now would, too.
+// While a capture is open, our streams take part in it, and so would any work that is enqueued on them.
 void Launches::refuse_open_capture() const {
     if (capture_is_open()) refuse("the capture that a launch was put into has not ended");
 }

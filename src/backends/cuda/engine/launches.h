@@ -1,7 +1,7 @@
 #pragma once
 
 // State of launches and waits of all queries: which launches are in flight, and whether a caller's graph holds a pass.
-// Any other call ends both.
+// Any other call of the backend ends this state: it drops the launches, and makes the graph stale.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +19,8 @@ class Launches {
 
     /// Enqueues a pass on `stream`, or adds it to the capture that the stream takes part in. bind(slot, growth) makes
     /// the finder work on a slot and binds the inputs, which are ready once the work that `stream` and `other` have so
-    /// far is complete. `of_worlds`: chooses the text of an error.
+    /// far is complete. `other`: the second mesh's stream, or `stream` again. `of_worlds`: selects the text of an
+    /// error.
     LaunchNumber launch(Finder& finder, cudaStream_t stream, cudaStream_t other,
                         FunctionRef<void(std::size_t slot, Growth growth)> bind, bool of_worlds = false);
 
@@ -31,10 +32,11 @@ class Launches {
     /// Throws Error unless this is the oldest launch in flight, or the one that is replayed.
     void check_awaited(LaunchNumber launch) const;
     /// To be called after check_awaited() with the finder of that launch. Waits for the launch, or reads the result of
-    /// its last replay. A launch that was given features of another `revision` is lost.
+    /// its last replay. `revision`: that of the current features; a launch for other features is lost.
     Outcome wait(Finder& finder, std::uint64_t revision = 0);
 
-    /// Notes that a wait has reported the result of this launch. The next call clears that.
+    /// Records that a wait has returned the result of this launch, as download() requires. The next call clears the
+    /// record.
     void mark_reported(LaunchNumber launch) { reported_ = launch; }
     bool has_reported(LaunchNumber launch) const { return reported_ == launch; }
 
@@ -68,7 +70,7 @@ class Launches {
     Phase phase_ = Phase::idle;
     LaunchNumber newest_ = 0;    ///< number of the last launch, captured or not
     LaunchNumber waited_ = 0;    ///< last launch that a wait has completed
-    LaunchNumber reported_ = 0;  ///< launch reported by a wait with no call after it; 0: none
+    LaunchNumber reported_ = 0;  ///< launch whose result a wait has returned, if no call came after it; 0: none
 };
 
 }  // namespace crumple::cuda

@@ -29,7 +29,7 @@ void FeatureCalls::find_all(const PreparedScene& scene, const FeatureRequest& re
         launches_.finish();
         result.clear();
         result.statistics.backend = "cuda";
-        if (scene.triangle_count() == 0) return;  // lists have a minimum size, which may exceed a small limit
+        if (scene.triangle_count() == 0) return;  // lists have a minimum size, which may exceed the memory limit
         RowFinder& finder = finder_for(request);
         finder.bring(finder.current(), scene, request);
         finder.find();
@@ -58,7 +58,7 @@ void FeatureCalls::copy_to_host(const DeviceShape& mesh, Copied what, HostShape&
     });
 }
 
-// Returns false if the mesh has other features than the request.
+// Returns false if the mesh on the device no longer has the features to which the request refers.
 bool FeatureCalls::find_in_slot(RowFinder& finder, const DeviceShape& mesh, const FeatureRequest& request) {
     try {
         state_.follow(mesh.stream, "a mesh's");

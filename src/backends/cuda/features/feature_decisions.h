@@ -1,8 +1,9 @@
 #pragma once
 
-// Decision of a feature test on a device: quick() works in registers, close() with expansions or double-double numbers,
-// and what both leave open is decided on the host. Each kind of query is a struct with these two functions. The host
-// calls them, too, to check a device (backends/cuda/comparison_cases.h).
+// Decision of a feature test on a device, in two steps. quick() works in float64 and double-double numbers. Only if
+// Query::closely is true, close() follows for tests that quick() leaves open, with expansions or enclosures, which need
+// more stack. The host decides tests that remain open. Each kind of query is a struct with these two functions. The
+// host calls them, too, to check a device (backends/cuda/comparison_cases.h).
 
 #include "backends/cuda/features/exact_points.h"
 #include "backends/cuda/features/feature_parameters.h"
@@ -19,7 +20,7 @@ enum class Outcome : std::uint8_t { apart, hit, open };
 struct Decided {
     Outcome outcome = Outcome::open;
     double value = 0;   ///< toi, or squared distance
-    bool flag = false;  ///< start, or touching
+    bool flag = false;  ///< true if the features meet at the start (impacts), or touch (proximities)
 };
 
 CRUMPLE_HD inline Decided decided(const FilteredImpact& impact) {
@@ -33,8 +34,8 @@ constexpr bool of_triangles(FeatureKind kind) {
 constexpr FeatureKinds kinds_of_constant(FeatureKind kind) { return static_cast<FeatureKinds>(kind); }
 
 /// Decision of contact: when features first touch. A vertex and an edge, or two vertices, are decided by the filter of
-/// minimum distances: they rarely touch, and a lower bound on their distance is cheap. With `approaching_only`,
-/// features that touch at the start are apart, because they cannot come closer.
+/// minimum distances with a distance of 0: such features rarely touch, and a lower bound on their distance is cheap.
+/// With `approaching_only`, features that touch at the start are apart, because they cannot come closer.
 struct ImpactDecision {
     static constexpr bool closely = true;
     ExactPoints points;
@@ -75,8 +76,8 @@ struct ImpactDecision {
     }
 };
 
-/// Decision of approach: when features come within a distance. With `approaching_only`, the host decides about those
-/// that start within it.
+/// Decision of approach: when features come within a distance. With `approaching_only`, tests of features that start
+/// within it stay open, for the host.
 struct MinDistanceDecision {
     static constexpr bool closely = false;
     ExactPoints points;

@@ -8,7 +8,7 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr std::size_t batch = 4096;  // cases that are copied to the host at once
+constexpr std::size_t batch = 4096;  // tests that are copied to the host at once
 
 }  // namespace
 

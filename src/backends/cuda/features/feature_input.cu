@@ -12,7 +12,8 @@ namespace {
 
 __device__ bool is_finite(double x) { return std::abs(x) <= 1.7976931348623157e308; }
 
-// Checks of radii and rest shapes that the caller has on the device.
+// Check the radii and rest positions that the caller has on the device. rest_kernel() also copies the positions to
+// `rest`, in float64.
 __global__ void check_radii_kernel(const double* radius, std::size_t n, Counters* counters) {
     for (std::size_t v = grid_thread(); v < n; v += grid_stride())
         if (!(radius[v] >= 0 && is_finite(radius[v])))

@@ -1,7 +1,7 @@
 #pragma once
 
-// Input of feature queries on the device, beside the scene: which features triangles own, radii, the rest shape, and
-// rings of adjacent vertices.
+// Input of feature queries on the device, beside the scene: tables of the features that each triangle owns, radii, the
+// rest shape, and rings of adjacent vertices.
 
 #include "backends/cuda/device/graph_cache.h"
 #include "backends/cuda/device/launch_queue.h"
@@ -19,8 +19,9 @@ class FeaturesOnDevice {
     FeaturesOnDevice(cudaStream_t stream, MemoryMeter& meter, const LaunchQueue& flights)
         : stream_(stream), flights_(flights), block_(meter), rings_(meter) {}
 
-    /// Uploads the host's features or rings; complete on return, valid until the next call. If they differ from the
-    /// cached ones, waits for passes in flight, or throws CapacityError for Growth::fixed.
+    /// Uploads the host's features or rings unless they are the cached ones. The upload is complete on return; the
+    /// returned table is valid until the next call. If the cached ones have to be replaced, waits for passes in flight,
+    /// or throws CapacityError for Growth::fixed.
     const FeatureTable& bring(const SceneFeatures& features, std::int64_t vertices, Growth growth = Growth::grows);
     RingTable bring(const VertexRings* rings, Growth growth = Growth::grows);
     /// Returns the topology of the mesh whose features were uploaded last.
@@ -39,8 +40,8 @@ class FeaturesOnDevice {
     std::uint64_t rings_revision_ = 0;
 };
 
-/// Returns the joint numbering of first features for the kinds that the request lists. Throws Error if there are too
-/// many.
+/// Returns the joint numbering of the features that come first in a pair, for the kinds that the request lists. Throws
+/// Error if there are too many.
 FirstOfKind firsts_of(const FeatureRequest& query);
 
 /// Kernel parameters that are part of a graph's key (engine/graph_key.h).
@@ -58,7 +59,7 @@ struct FeatureParameters {
     }
 };
 
-/// Input that may change in each call.
+/// Input of a feature query that may change in each call: radii, rest positions and inflation.
 class FeatureInput {
    public:
     FeatureInput(cudaStream_t stream, MemoryMeter& meter) : stream_(stream), block_(meter), rest_(&meter) {}
@@ -68,7 +69,8 @@ class FeatureInput {
     /// Binds radii and a rest shape that the caller has on the device.
     void view(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features, Growth growth);
 
-    /// Enqueues the work that each pass begins with, after the scene's box has been computed.
+    /// Enqueues the work that each pass does after the scene's box has been computed: checks radii and rest positions
+    /// on the device, normalises radii, and computes the inflation.
     void enqueue(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const SceneBox* box,
                  Counters* counters) const;
 

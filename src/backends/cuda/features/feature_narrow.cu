@@ -10,7 +10,8 @@
 namespace crumple::cuda {
 namespace {
 
-/// Filter of tests: drops pairs that float32 proves far, and pairs joined by vertex rings.
+/// Filter of tests: drops pairs of features that float32 proves to be too far apart, and pairs that vertex rings
+/// exclude.
 template <int moments>
 struct TestFilter {
     PointRows points;
@@ -23,8 +24,9 @@ struct TestFilter {
     }
 
    private:
-    // Sum of both features' radii, each the largest of its vertices'. The sum's rounding error is below the excess of
-    // the rounded-up radii.
+    // Returns the sum of both features' radii, where a feature's radius is the largest of its vertices'. Without radii,
+    // returns the query's distance. The sum needs no rounding up: its rounding error is less than what rounding up
+    // added to the radii.
     template <FeatureKind kind>
     __device__ float distance(const std::int32_t (&v)[4]) const {
         const float* radius = asked.vertex_radius;
@@ -34,7 +36,7 @@ struct TestFilter {
     }
     template <FeatureKind kind>
     __device__ bool far(const FeatureTest& test) const {
-        // Edges and vertices against vertices are handled as degenerate faces.
+        // A vertex against an edge or another vertex is handled as a vertex against a degenerate face.
         constexpr FeatureKind as = kind == FeatureKind::edge_edge ? kind : FeatureKind::vertex_face;
         FeatureVectors<moments> seen;
         for (int m = 0; m < moments; ++m) {
@@ -63,8 +65,8 @@ class TestQueue {
     __device__ TestQueue(FeatureTest* waiting, const TestFilter<moments>& filter, const List<FeatureTest>& list)
         : waiting_(waiting), filter_(filter), list_(list), lane_(threadIdx.x % 32) {}
 
-    /// Queues the tests of each lane's bits; with `last`, also filters all that wait. All lanes of a warp call it
-    /// together. Called from a single place, because its code is long.
+    /// Queues the tests whose bits the lane passes; with `last`, also filters all tests that wait. All lanes of a warp
+    /// call it together. Kernels call it from a single place for each queue, because its code is long.
     __device__ void add(const FeatureRecord<moments>* a, const FeatureRecord<moments>* b, unsigned bits, bool last) {
         for (;;) {
             const unsigned having = __ballot_sync(whole_warp, bits != 0);
@@ -135,8 +137,8 @@ __global__ void __launch_bounds__(threads) list_kernel(FeatureSurvivors<moments>
     if (threadIdx.x % 32 == 0 && all) atomicAdd(listed, all);
 }
 
-// Lists tests of all kinds, for scenes with codimensional edges and points. Each thread keeps its tests on its stack:
-// such scenes are rods and particles, in which few pairs are near.
+// Lists tests of all kinds, for scenes with codimensional edges and points. Each thread keeps its tests on its stack,
+// not in a queue of its warp: such scenes are rods and particles, in which few pairs are near.
 template <int moments>
 __global__ void listed_kernel(FeatureSurvivors<moments> survivors, TestFilter<moments> filter, TestLists tests,
                               FeatureHits hits, unsigned long long* listed) {
@@ -199,7 +201,8 @@ __device__ void decide_each(const List<FeatureTest>& tests, const FeatureHits& h
     }
 }
 
-// Calls work<kind>() for the kinds that triangles' features have, or for those that only codimensional features have.
+// Calls work<kind>() for the two kinds that only codimensional features have, if `of_lists`, else for the two kinds of
+// triangles' features.
 template <bool of_lists, class Work>
 __device__ void for_each_kind(Work work) {
     if constexpr (of_lists) {

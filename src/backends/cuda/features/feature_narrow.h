@@ -1,8 +1,8 @@
 #pragma once
 
-// Stage `narrow` for feature queries: expands pairs of triangles to tests of feature pairs, drops most of these by
-// float32 filters, and decides the others, first quickly, then closely. Tests that remain open are packed for the
-// host's rational arithmetic.
+// Stage `narrow` for feature queries: expands pairs of triangles to tests of feature pairs, drops most of these tests
+// by float32 filters, and decides the others, in two steps (feature_decisions.h). Tests that remain open are packed for
+// the host's rational arithmetic.
 //
 //     survivors --list--> tests, by kind --decide--> open, by kind --close--> beyond
 //                                          \-> hits              \-> hits
@@ -30,7 +30,7 @@ struct RankedHit {
 struct FeatureHits {
     bool any = false;  ///< true if hits are only counted, and the first one ends the work
     List<RankedHit> list;
-    unsigned long long* by_first;
+    unsigned long long* by_first;  ///< number of hits of each first feature
     FirstOfKind firsts;
 
     /// Counter for has_ended(), or null.
@@ -61,7 +61,8 @@ void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurv
                 const PointRows& points, std::int32_t ends, const FeatureConditions& asked, bool all_kinds,
                 const TestLists& tests, const FeatureHits& hits, Counters* counters);
 
-/// Decides these tests. Those left open go to `beyond`.
+/// Decides the listed tests. Tests that need the second step of the decision go to `open`, tests that the host has to
+/// decide to `beyond`.
 void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
                   const FeatureConditions& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
                   const List<OpenTest>& beyond, const FeatureHits& hits);
@@ -74,7 +75,7 @@ void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Count
 void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
                 const FeatureConditions& asked, const OpenTest* tests, std::size_t count, PackedFeatures* cases);
 
-/// Writes hits that the host has found after the list's first `begin` hits.
+/// Writes hits that the host has found into the list, behind its first `begin` hits.
 void append_hits(const Geometry& geometry, cudaStream_t stream, const RankedHit* found, std::size_t count,
                  unsigned long long begin, const FeatureHits& hits);
 

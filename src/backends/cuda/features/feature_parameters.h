@@ -10,10 +10,10 @@
 
 namespace crumple::cuda {
 
-/// Device copy of VertexRings.
+/// Device copy of VertexRings: the vertices near each vertex, all by representative vertex.
 struct RingTable {
-    const std::int32_t* of = nullptr;  ///< null: no rings
-    const std::int64_t* first = nullptr;
+    const std::int32_t* of = nullptr;     ///< rings, one after another, each ascending; null: no rings
+    const std::int64_t* first = nullptr;  ///< start of each vertex's ring in `of`; and the end
     friend bool operator==(const RingTable&, const RingTable&) = default;
 
     __device__ bool joined(std::int32_t name, std::int32_t other) const {
@@ -46,7 +46,7 @@ struct RestTable {
     }
 };
 
-/// Returns a non-null address that stands for any array.
+/// Returns a non-null address that stands for any array, for keys of graphs that do not depend on addresses.
 template <class T>
 const T* unknown() {
     return reinterpret_cast<const T*>(alignof(T));
@@ -55,7 +55,7 @@ const T* unknown() {
 struct FeatureConditions {
     bool motion = false, strict = false, approaching_only = false;
     double distance = 0, share = 0;
-    const double* radii = nullptr;  ///< by vertex; null: `distance` holds for all
+    const double* radii = nullptr;  ///< by vertex; null: `distance` holds for all features
     RestTable rest;
     RingTable rings;
     FeatureTable features;
@@ -65,7 +65,7 @@ struct FeatureConditions {
 
     friend bool operator==(const FeatureConditions&, const FeatureConditions&) = default;
 
-    /// See GraphKey::shape().
+    /// Removes addresses and values on which the choice of kernels does not depend, for GraphKey::shape().
     void forget_places() {
         radii = radii ? unknown<double>() : nullptr;
         rest.position = rest.position ? unknown<double>() : nullptr;

@@ -38,7 +38,7 @@ struct SeparatingAxisTest {
     const std::uint16_t* leaf;
     const Inflation* inflation;
     const float* triangle_radius;
-    float share;  ///< see share_to_filter()
+    float share;  ///< share of a pair's distance at the start that must remain, rounded up
 
     using Buffer = GatherBuffer<FeatureRecord<moments>>;
     __device__ bool keeps(bool has, const Candidate& c, Buffer& buffer) const {

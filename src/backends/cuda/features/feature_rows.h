@@ -37,7 +37,7 @@ void write_candidates(const Geometry& geometry, cudaStream_t stream, const Featu
 
 /// Earliest impact among listed hits: the least value, ties broken by the order of the result.
 struct Earliest {
-    unsigned long long value, pair;  ///< bits of a non-negative double; first and second feature
+    unsigned long long value, pair;  ///< bits of a double >= 0; first feature in the upper half, second in the lower
     unsigned long long flag;
 };
 void clear(BatchedClear& batch, Earliest* earliest);

@@ -29,7 +29,7 @@ void RowFinder::view(std::size_t to, const Shape& shape, const FeatureRequest& r
     adopt(request);
 }
 
-// Stores what accepting a result needs.
+// Stores what is needed of the request when its result is accepted, and binds the slot.
 void RowFinder::adopt(const FeatureRequest& request) {
     RowSlot& found = this->found();
     found.request.emplace(request);

@@ -50,7 +50,7 @@ struct RowsByKind : RowsOfOutput {
     double* value;       ///< null for candidates
     std::uint8_t* flag;  ///< null for candidates
 
-    /// Cuts the lists. `valued`: true if rows have values and flags.
+    /// Takes the lists of the result from the cutter. `valued`: true if rows have values and flags.
     void place_row_lists(Cutter& c, std::size_t most, bool valued) {
         pairs = c.take<Pair>(most);
         value = valued ? c.take<double>(most) : nullptr;

@@ -52,7 +52,7 @@ __global__ void weld_kernel(PreparedScene scene, PositionHash hash, const unsign
     for (std::size_t i = grid_thread(); i < n; i += grid_stride()) {
         if (corners[i] == no_vertex) continue;
         const Vec3d p = scene.position(corners[i]);
-        if (!(p == p)) continue;  // NaN equals nothing; reported elsewhere
+        if (!(p == p)) continue;  // not in the table; check_vertices() reports it
         std::size_t slot = hash(p) & (slots - 1);
         while (!(scene.position(table[slot]) == p)) slot = (slot + 1) & (slots - 1);
         corners[i] = static_cast<std::int32_t>(table[slot]);
@@ -277,7 +277,7 @@ void Input::enqueue(const Geometry& geometry, cudaStream_t stream, Counters* cou
     compare(geometry, stream, *cached_shape_, known_, counters);
 }
 
-// Checks errors in the order in which the host does.
+// Throws the first error in the order in which the host checks meshes.
 void Input::throw_error(const Counters& counters) const {
     if (posed_) return posed_->throw_error(stream_, poses_, counters);
     constexpr unsigned long long none = ~0ull;

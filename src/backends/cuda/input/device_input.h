@@ -20,6 +20,7 @@
 
 namespace crumple::cuda {
 
+/// Binds the input of one call at a time: a new input replaces the previous one.
 class Input {
    public:
     Input(int device, cudaStream_t stream, MemoryMeter& meter)
@@ -96,10 +97,10 @@ class Input {
     Mirror<BodyClass> classes_;
     Array<std::byte> packed_;
     PreparedScene scene_;
-    std::optional<MeshView> mesh_[2];    ///< meshes on the device; none for the other kinds of input
-    std::optional<Shape> cached_shape_;  ///< or a mesh with cached features, `known_`
-    CachedMesh known_;
-    std::shared_ptr<const PosedWorlds> posed_;  ///< or bodies, under `poses_`
+    std::optional<MeshView> mesh_[2];           ///< meshes on the device, for queries about intersections; else none
+    std::optional<Shape> cached_shape_;         ///< mesh on the device whose features are cached; else none
+    CachedMesh known_;                          ///< features of cached_shape_
+    std::shared_ptr<const PosedWorlds> posed_;  ///< bodies under poses_; else null
     DevicePoses poses_;
     WorldNames names_;
     std::byte* vertices_ = nullptr;  ///< posed vertices

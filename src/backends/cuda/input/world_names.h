@@ -11,9 +11,10 @@
 
 namespace crumple::cuda {
 
-/// Tables that translate triangles of the scene to triangles of bodies. Pointers refer to device memory.
+/// Tables that translate triangles of the scene to triangles of bodies. A class is the set of triangles of one body and
+/// one group (BodyClass). Pointers refer to device memory.
 struct WorldNames {
-    const std::int32_t* classes_of = nullptr;      ///< class of each triangle
+    const std::int32_t* classes_of = nullptr;      ///< class of each triangle of the scene
     const BodyClass* classes = nullptr;            ///< body and group of each class
     const std::int32_t* first_of_class = nullptr;  ///< by class: first triangle of its body
     const std::int64_t* first_of_world = nullptr;  ///< by world: first triangle; worlds + 1

@@ -1,4 +1,5 @@
-// Flags instead of pairs, for a scene or for each of its worlds side by side: work on each ends at its first hit.
+// Flags instead of pairs, for a scene or for each of its worlds side by side. The work on a scene or a world ends soon
+// after its first hit.
 
 #include <algorithm>
 #include <cstddef>
@@ -24,7 +25,7 @@ void IntersectionFinder::flag_worlds(std::span<std::uint8_t> flags) {
 
 // Works in two rounds, because a hit is known only after a sweep. If many pairs collide, a sixteenth of the sweep finds
 // one, and the kernels of the second round end at once; if none does, the first round costs three launches. The second
-// round appends to the lists of the first, so those few pairs are narrowed once more.
+// round appends to the first one's list of survivors, so the survivors of the first round are narrowed once more.
 bool IntersectionFinder::any_at_once() {
     const auto rounds = [&] {
         unsigned long long* const found = &pass_.counters->hits;
@@ -62,7 +63,7 @@ void IntersectionFinder::flag_worlds_at_once(std::span<std::uint8_t> flags) {
     input().worlds().read(stream_, flags);
 }
 
-// Flags worlds by pairs that expansions could not decide; the host decides them.
+// Sets the flags of worlds with a pair that expansions could not decide and that the host finds to collide.
 void IntersectionFinder::flag_unresolved(std::size_t n, std::span<std::uint8_t> flags) {
     if (n == 0) return;
     std::vector<Pair> hits(decide_unresolved(n));

@@ -74,8 +74,8 @@ void IntersectionFinder::count_tests(const Counters& c, Statistics& s) const {
     s.exact_tests += static_cast<std::int64_t>(c.undecided);
 }
 
-// Decides pairs that expansions could not decide, in rational arithmetic. Leaves those that collide at the front of the
-// list.
+// Decides pairs that expansions could not decide, in rational arithmetic. Leaves the pairs that collide at the front of
+// the list of such pairs, on the device.
 std::size_t IntersectionFinder::decide_unresolved(std::size_t n) {
     std::vector<Pair> pairs(n), hits;
     copy_now(stream_, pairs.data(), pass_.beyond(), n, cudaMemcpyDeviceToHost);

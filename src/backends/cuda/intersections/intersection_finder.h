@@ -23,7 +23,7 @@ class IntersectionFinder final : public Finder {
     void view(std::size_t slot, const MeshView& a, const MeshView* b, bool weld, Growth growth = Growth::grows);
     void pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& worlds, const DevicePoses& poses, bool weld,
               bool pairs, Growth growth = Growth::grows);
-    /// Binds the query, after one of these.
+    /// Binds the query. To be called after one of the functions above.
     void adopt(const IntersectionQuery& query, Growth growth = Growth::grows);
 
     /// Returns true if there is a pair. Ends at the first one, and lists none.
@@ -31,13 +31,14 @@ class IntersectionFinder final : public Finder {
     /// Sets the flag of each of several worlds that has a pair. Work on a world ends at its first pair.
     void flag_worlds(std::span<std::uint8_t> flags);
 
-    /// Make the contacts if the query requests them; copy_to() also copies the whole result to the host.
+    /// Make the contacts if the query requests them. copy_to() then copies the whole result to the host.
     void make_contacts();
     void copy_to(Intersections& result);
     /// Returns the result of find() and make_contacts(), on the device.
     DeviceIntersections show() const;
     /// Result of an incomplete replay.
     DeviceIntersections show_incomplete() const;
+    /// Copies a result to the host whose contacts, if requested, have been made.
     void download(Intersections& result) { answer().copy_to(scene(), query().contacts(), result); }
 
     void release() override;
@@ -50,13 +51,13 @@ class IntersectionFinder final : public Finder {
     template <class Make, class Undo>
     void with_capacity(Make make, Undo undo);
 
-    // find_any.cu
+    // Defined in find_any.cu:
     bool any_at_once();
     bool any_in_chunks();
     void flag_worlds_at_once(std::span<std::uint8_t> flags);
     void flag_unresolved(std::size_t n, std::span<std::uint8_t> flags);
 
-    // intersection_chunks.cu
+    // Defined in intersection_chunks.cu:
     unsigned long long count_in_chunks();
     std::size_t pass_over_chunks(Hits hits);
     void require_capacity(std::size_t pairs) const;

@@ -9,7 +9,7 @@
 namespace crumple::cuda {
 namespace {
 
-// Records one colliding pair, lower id first. All lanes of a warp call it together.
+// Records the lane's pair if it collides; `a` must be less than `b`. All lanes of a warp call it together.
 __device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t b, std::int32_t second) {
     if (hits.mode == Hits::Mode::any) return tally(is_hit, hits.list.count);
     unsigned long long rank = 0;
@@ -163,7 +163,7 @@ void narrow(const Geometry& geometry, cudaStream_t stream, const PreparedScene& 
 void decide_exactly(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
                     Neighbours neighbours, IntersectionKind intersections, const List<Candidate>& undecided,
                     const List<Pair>& beyond, const Hits& hits) {
-    // Registers limit the kernel to one block per multiprocessor.
+    // One block per multiprocessor suffices: the kernel needs many registers, and few pairs reach it.
     const unsigned blocks = std::min(geometry.blocks(undecided.capacity), std::max(1u, geometry.multiprocessors));
     Launch{stream, blocks, geometry.threads}(exact_kernel, scene, sorted, neighbours, intersections, undecided, beyond,
                                              hits);

@@ -34,7 +34,8 @@ struct Hits {
     CRUMPLE_HD unsigned long long* end() const { return mode == Mode::any ? list.count : nullptr; }
 };
 
-/// Runs the filters and the exact decision. `doubles` counts the pairs that float32 leaves undecided.
+/// Runs the filters and the exact decision. `doubles` counts the pairs that need the float64 filter, because float32
+/// does not decide them.
 void narrow(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
             const RecordRows& records, const Points& points, const Frames& frames, const NarrowPolicy& policy,
             const List<Candidate>& survivors, const List<Candidate>& undecided, const List<Pair>& beyond,
@@ -47,7 +48,7 @@ void decide_exactly(const Geometry& geometry, cudaStream_t stream, const Prepare
 /// Launches the exact decision on no pairs, so that the driver reserves the kernel's stacks. All counters must be 0.
 void reserve_exact_stack(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
-/// Writes pairs that the host has decided after the list's first `begin` hits.
+/// Writes pairs that the host has decided into the list, behind its first `begin` hits.
 void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pairs, std::size_t count,
                  unsigned long long begin, const List<Hit>& hits);
 /// Counts and ranks the list's hits by first triangle anew.

@@ -9,7 +9,7 @@
 
 namespace crumple::cuda {
 
-/// Records by row, planes scaled.
+/// Records by row. The plane in each record is scaled by its error bound (filters/intersection/triangle_record.h).
 struct RecordRows {
     Record* record;
 

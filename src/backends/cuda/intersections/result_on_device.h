@@ -18,15 +18,15 @@ class Answer {
 
     OutputArrays output{};
     unsigned long long total = 0;  ///< pairs
-    WorldNames names;              ///< names of worlds and bodies, for results about worlds; set before cut()
+    WorldNames names;              ///< tables for naming worlds and bodies, in results about worlds; set before cut()
 
-    /// Cuts the arrays for so many pairs.
+    /// Takes the arrays for so many pairs from the cutter.
     void cut(Cutter& cutter, const PreparedScene& scene, std::size_t pairs);
     /// Returns the bytes that these arrays and make_contacts() take.
     static std::size_t bytes(const PreparedScene& scene, std::size_t pairs, bool contacts);
 
     /// Adds the arrays that write() requires cleared to `batch`: flags, and the counts by first triangle, which
-    /// `narrow` then fills. The counter of parts has to be cleared, too.
+    /// `narrow` then fills. Counters::parts has to be cleared, too.
     void clear(BatchedClear& batch, const PreparedScene& scene) const;
     /// Turns listed hits, counted by first triangle in output.offsets, into the result. For the last argument, see
     /// order_buckets().
@@ -34,7 +34,7 @@ class Answer {
     /// Computes the contacts of the result and leaves them on the device. Returns how many the host had to round.
     std::int64_t make_contacts(const PreparedScene& scene, Cancellation& cancellation);
 
-    /// Returns the result about the scene, or about worlds if there are names.
+    /// Returns a view of the result on the device: about the scene, or about worlds if there are `names`.
     DeviceIntersections show(const PreparedScene& scene, bool contacts) const;
     void copy_to(const PreparedScene& scene, bool contacts, Intersections& result);
 

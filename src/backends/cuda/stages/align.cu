@@ -9,7 +9,7 @@
 namespace crumple::cuda {
 namespace {
 
-constexpr int threads = 256;  // per block; also the most samples for a leaf's covariance
+constexpr int threads = 256;  // per block; also the maximum number of members sampled per leaf
 
 struct FrameShared {
     cub::BlockReduce<double, threads>::TempStorage sum;
@@ -110,7 +110,7 @@ __device__ void make_frame(FrameShared& shared, unsigned long long begin, unsign
     }
     __syncthreads();
 
-    // The bins cover the members' range along the sweep direction. The range need not be exact.
+    // The bins cover the range of the members that are not big along the sweep direction. The range need not be exact.
     float low = INFINITY, high = -INFINITY;
     for (unsigned long long m = begin + threadIdx.x; m < begin + members; m += threads) {
         const Ball b = balls[triangle[m]];

@@ -18,8 +18,8 @@ void make_frames(const Geometry& geometry, cudaStream_t stream, int leaves, cons
                  const std::int32_t* triangle, const PreparedScene& scene, const Points& points, const Ball* balls,
                  bool along_axes, BinnedFrame* frames);
 
-/// Computes the extent of each leaf's members, for frames that were made after the members had been listed. All extents
-/// must be 0 before.
+/// Computes the extent of each leaf's members in a pass without a warm start, whose frames are made after the members
+/// have been listed. (In a warm-started pass make_members() computes the extents.) All extents must be 0 before.
 void measure_extent(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
                     const Members& members, const PreparedScene& scene, const Primitives& primitives,
                     const Points& points, const Ball* balls, const Frames& frames);
@@ -28,8 +28,8 @@ void measure_extent(const Geometry& geometry, cudaStream_t stream, int leaves, c
 __device__ inline float ball_extent(const Ball& ball, const Vec3f& origin) {
     return (largest(abs(Vec3f{ball.x, ball.y, ball.z} - origin)) + ball.r) * 1.00001f;
 }
-/// Returns what a triangle contributes to its leaf's extent: a small share of its own extent if it is big (big_share),
-/// else `bound`, which is derived from its ball.
+/// Returns what a triangle contributes to its leaf's extent. That is `bound`, which is derived from its ball, or, if
+/// the triangle is big (geometry/leaf_frame.h), the small share big_share of its own extent.
 template <class Primitive>
 __device__ float exact_extent(const PreparedScene& scene, const Primitive& primitive, const PointRows& points,
                               std::int32_t triangle, const LeafFrame& frame, float bound) {

@@ -59,8 +59,8 @@ __device__ inline bool corners_exist(const PreparedScene& scene, std::size_t t, 
     return false;
 }
 
-/// Computes the rows and balls. In a moving scene a ball holds the triangle's swept volume, and the rows of end
-/// positions follow those of start positions.
+/// Computes the rows of normalised vertices, and the balls. In a moving scene a ball contains the triangle's swept
+/// volume, and the rows of end positions follow those of start positions.
 void compute_bounds(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
                     const Primitives& primitives, const SceneBox* box, const Points& points, Ball* balls,
                     Counters* counters);

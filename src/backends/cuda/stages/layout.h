@@ -35,8 +35,8 @@ inline constexpr int max_fan_out = 64;  ///< most children of a cluster: bits of
 /// Most children between two meshes: SortedRow::conflict then has 62 bits for lower children and two for the side.
 inline constexpr int max_fan_out_between = 63;
 inline constexpr int bins = 1024;  ///< bins along a leaf's sweep axis
-/// Limit that comes from Sorted::leaf, which has 16 bits, and from CUDA: parents are rows of a grid, which has at most
-/// 65,535.
+/// Maximum number of leaves: Sorted::leaf has 16 bits. Parents, of which there are at most as many, are rows of a grid,
+/// and CUDA allows 65,535 rows.
 inline constexpr int max_leaves = 65'535;
 
 using crumple::Row;
@@ -51,21 +51,21 @@ struct Points {
 
 /// Counters that the device fills for the host. Lengths of lists include the elements that did not fit.
 struct Counters {
-    unsigned long long bad_vertex[2], bad_triangle[2];  ///< lowest index in each mesh; all bits set: none
-    unsigned long long bad_end, bad_radius, bad_rest;   ///< likewise for the vertices of a single mesh
-    unsigned long long changed;      ///< lowest index that differs from the cached mesh (known_mesh.h)
+    unsigned long long bad_vertex[2], bad_triangle[2];  ///< lowest invalid index in each mesh; all bits set: none
+    unsigned long long bad_end, bad_radius, bad_rest;   ///< likewise: ends, radii, rest positions of one mesh
+    unsigned long long changed;      ///< an index that differs from the cached mesh (known_mesh.h); all bits set: none
     unsigned long long places[2];    ///< places to reserve for the members of each level
     unsigned long long units;        ///< units of the sweep
     unsigned long long members[2];   ///< memberships of each level
     unsigned long long unplaced[2];  ///< memberships without a place in their child
-    unsigned long long interval_tests, box_overlaps;
-    unsigned long long survivors;             ///< pairs that the filter of the sweep keeps
-    unsigned long long doubles;               ///< survivors unresolved by the float32 filter
-    unsigned long long undecided;             ///< pairs unresolved by the float64 filter
-    unsigned long long beyond;                ///< pairs, or tests of features, that the host has to decide
-    unsigned long long listed;                ///< tests of features that survivors expand to
-    unsigned long long tests[feature_kinds];  ///< tests that the filters leave, by FeatureKind
-    unsigned long long open[feature_kinds];   ///< tests that the quick decision leaves, by FeatureKind
+    unsigned long long interval_tests, box_overlaps;  ///< pairs of a row and a column; those whose boxes overlap
+    unsigned long long survivors;                     ///< pairs that the filter of the sweep keeps
+    unsigned long long doubles;                       ///< survivors unresolved by the float32 filter
+    unsigned long long undecided;                     ///< pairs unresolved by the float64 filter
+    unsigned long long beyond;                        ///< pairs, or tests of features, that the host has to decide
+    unsigned long long listed;                        ///< tests of features that pairs of triangles expand to
+    unsigned long long tests[feature_kinds];          ///< tests that the filters keep, by FeatureKind
+    unsigned long long open[feature_kinds];           ///< tests that quick() leaves undecided, by FeatureKind
     unsigned long long hits;
     unsigned long long parts;  ///< parts of long rows of the result (RowPart)
 };
@@ -92,7 +92,7 @@ struct Level {
     const std::int32_t* triangle;    ///< by item; null: the index of the item
     const Row<float>* centre;        ///< centres of all children: parents * fan_out
     Row<float>* next_centre;         ///< centres for the next pass
-    float* moved;                    ///< by parent: last movement of its next centres
+    float* moved;                    ///< by parent: largest movement of a next centre in the last iteration
     std::uint64_t* mask;             ///< by item: children that it belongs to
     Segments members_of;             ///< members of each child
     unsigned long long* next_first;  ///< first place of each child's members in the next pass
@@ -102,16 +102,16 @@ struct Level {
 /// Memberships of one level, child after child.
 struct Members {
     std::int32_t* triangle;
-    std::uint32_t* item;  ///< item of the level
+    std::uint32_t* item;  ///< index of the item in the Level
     unsigned long long capacity;
 };
 
 /// A leaf's frame, and its bins along the first axis.
 struct BinnedFrame : LeafFrame {
-    float base, scale;  ///< bin of x: (x - base) scale
+    float base, scale;  ///< bin of x: (x - base) * scale, rounded down and clamped
 };
 
-/// BinnedFrame with bounds for all members of the leaf.
+/// BinnedFrame, with bounds that depend on where the leaf's members are.
 struct Frame : BinnedFrame {
     float reach;   ///< extent: bound on |coordinates| of corners of members that are not big, from the origin
     float margin;  ///< error bound of a coordinate in the frame (docs/align.md)
@@ -144,7 +144,7 @@ struct alignas(16) CrossBox {
 /// Member in sorted order. Its columns are the rows after it, up to `end`.
 struct alignas(16) SortedRow {
     CrossBox box;
-    std::uint64_t conflict;  ///< lower clusters of the last level, and the side; pairs with a common bit are dropped
+    std::uint64_t conflict;  ///< bits of lower children (last level) and of its side; see Ownership
     std::uint32_t end;
     std::int32_t triangle;
 };
@@ -166,11 +166,12 @@ struct alignas(16) Unit {
 };
 inline constexpr unsigned unit_columns = 32;
 
+/// Pair of rows of Sorted; `column` comes after `row`.
 struct alignas(8) Candidate {
     std::uint32_t row, column;
 };
 
-/// Pair of the result in the bucket of its first element.
+/// Pair of the result. The pairs with the same first element are stored next to each other, in a bucket.
 struct alignas(8) BucketedPair {
     std::int32_t first, second;
 };

@@ -11,14 +11,15 @@
 
 namespace crumple::cuda {
 
-/// Part of a long row of the result. In a short row each pair finds its place by comparison with all others; a long one
-/// is sorted part by part, then merged.
+/// Part of a long row of the result. A row consists of the pairs with one first element. In a short row each pair finds
+/// its place by comparison with all others; a long one is sorted part by part, then merged.
 struct RowPart {
-    std::int32_t row;  ///< first triangle
-    std::uint32_t number;
+    std::int32_t row;      ///< first element, a triangle or a feature
+    std::uint32_t number;  ///< index of the part in its row
 };
 
-// Sets one byte to 1. Uses an atomic on its word, because other threads may set bytes of the same word.
+// Sets byte i to 1. Uses an atomic on its 32-bit word, because other threads may set bytes of the same word. `flags`
+// must be aligned to a word.
 __device__ inline void set_flag(std::uint8_t* flags, std::size_t i) {
     atomicOr(reinterpret_cast<unsigned*>(flags) + i / 4, 1u << 8 * (i % 4));
 }
@@ -52,7 +53,7 @@ struct RowsOfOutput {
 struct OutputArrays : RowsOfOutput {
     using Key = std::int32_t;
     unsigned long long* next;  ///< offsets, incremented as pairs are written to their buckets (Hits::Mode::fill)
-    BucketedPair* bucketed;    ///< unsorted within a bucket
+    BucketedPair* bucketed;    ///< pairs in their buckets; unsorted within a bucket
     Pair* pairs;
     std::uint8_t *hit, *hit_second;  ///< flags by triangle of each mesh; equal for a single mesh; whole_words() bytes
 
@@ -67,8 +68,9 @@ struct OutputArrays : RowsOfOutput {
     __device__ void write(unsigned long long place, std::int32_t a, Key b) const { pairs[place] = {a, b}; }
 };
 
-/// Returns the words of RowsOfOutput::tiles for `firsts` first elements.
+/// Returns the number of elements of RowsOfOutput::tiles for `firsts` first elements.
 std::size_t offset_tiles(std::size_t firsts);
+/// Returns the capacity of RowsOfOutput::parts that suffices for so many pairs.
 std::size_t part_capacity(std::size_t pairs);
 
 /// Returns the bytes to allocate for flags: whole words, because atomics on words set them.
@@ -79,14 +81,14 @@ std::size_t whole_words(std::size_t flags);
 template <class OutputArrays>
 void make_offsets(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                   Counters* counters);
-/// Lists the parts of long rows, if the offsets are known.
+/// Lists only the parts of long rows, for offsets that have been computed before.
 template <class OutputArrays>
 void list_parts(const Geometry& geometry, cudaStream_t stream, std::size_t firsts, const OutputArrays& output,
                 Counters* counters);
-/// Writes the list's hits to their buckets.
+/// Writes the hits of the list to their buckets.
 void fill_buckets(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const List<Hit>& hits,
                   const OutputArrays& output);
-/// Adds the flags to `batch`, as order_buckets() requires. The counter of parts has to be cleared, too.
+/// Adds the flags to `batch`: order_buckets() requires them cleared. Counters::parts has to be cleared, too.
 void clear_flags(BatchedClear& batch, const PreparedScene& scene, const OutputArrays& output);
 /// Sorts each bucket and sets the flags. Copies the counters to the last argument, host memory that the device can
 /// write, unless it is null.

@@ -21,7 +21,7 @@ namespace detail {
 
 inline constexpr unsigned short_row = 256;  ///< most pairs of a row that is sorted by comparing all with all
 
-inline constexpr int offset_tile = 2048;  ///< first elements whose pairs one block sums up
+inline constexpr int offset_tile = 2048;  ///< first elements per tile; one block sums up the pairs of a tile
 inline constexpr int offset_threads = 256, offsets_a_thread = offset_tile / offset_threads;
 
 inline constexpr unsigned part_pairs = 2048;  ///< pairs of a part, which one block sorts in shared memory

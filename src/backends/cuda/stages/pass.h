@@ -44,8 +44,8 @@ class Pass {
     Guides warm_starts{};
     const Branch* beside = nullptr;  ///< side branch that computes the next warm start; the caller joins it
 
-    /// Cuts the arrays of the stages up to `sort`, and the list that `sweep` fills; their contents are lost. Overriders
-    /// add their records and the lists of `narrow`.
+    /// Takes the arrays of the stages up to `sort`, and the list that `sweep` fills, from the cutter; their contents
+    /// are lost. Overriders add their records and the lists of `narrow`.
     virtual void cut(Cutter& cutter);
 
     void bounds();

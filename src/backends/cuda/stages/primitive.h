@@ -61,7 +61,7 @@ struct Widened {
     }
 };
 
-/// Choice of the primitive for a pass.
+/// Choice of the primitive for a pass. `ends` and `inflation`: see Widened.
 struct Primitives {
     bool widened = false, moving = false;
     std::int32_t ends = 0;

@@ -132,7 +132,7 @@ struct MembersShared {
     unsigned reach[max_fan_out];
 };
 
-// Returns a mask of the children whose cell may contain a point of the ball; 0 if the radius is NaN.
+// Returns a mask of the children whose Voronoi cell may contain a point of the ball; 0 if the radius is NaN.
 __device__ std::uint64_t children_of(const Ball& ball, const MembersShared& shared, int fan_out) {
     if (!(ball.r >= 0)) return 0;
     const Row<float>* centre = shared.centre;
@@ -154,8 +154,8 @@ __device__ std::uint64_t children_of(const Ball& ball, const MembersShared& shar
 }
 
 // Finds the children of all items and lists the members. Each block counts its own members first, so that it reserves
-// places by one global atomic per child, not one per member. It counts in 32 bits, because atomic additions in shared
-// memory are no wider.
+// places by one global atomic per child, not one per member. It counts in 32 bits, the width of native atomic additions
+// in shared memory.
 template <bool reaching, class Primitive>
 __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t listed, Members members, Reaching how,
                                Primitive primitive, unsigned long long* total, unsigned long long* unplaced) {
@@ -223,8 +223,9 @@ struct PlacesShared {
     typename cub::BlockScan<unsigned long long, threads>::TempStorage scan;
 };
 
-// Computes prefix sums of the children's sizes. One block suffices, since a single world has at most 4096 children. An
-// empty child gets no places, since it rarely has members in the next pass.
+// Computes prefix sums of the children's sizes. One block does this, 256 children at a time: a single world has at most
+// 4096 children, and all worlds together have at most max_leaves. An empty child gets no places, since it rarely has
+// members in the next pass.
 template <int threads>
 __global__ void places_kernel(Level level, unsigned long long capacity, unsigned long long* wanted) {
     auto& shared = dynamic_shared<PlacesShared<threads>>();

@@ -84,7 +84,7 @@ struct Sweep {
         if (__popc(open) & 1) meet();
         while (open) meet(), meet();  // two at a time, so that one does not wait for the other
         __syncwarp();
-        // A row's columns come after it.
+        // Removes rows that do not come before the column: a row's columns come after it.
         const std::uint32_t before = column - unit.row;
         if (before < 32) overlapping &= (1u << before) - 1;
         return has_column ? overlapping : 0;
