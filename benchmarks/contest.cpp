@@ -59,7 +59,7 @@ Difference difference(const std::vector<Pair>& theirs, const std::vector<Pair>& 
     return {static_cast<std::int64_t>(missing.size()), static_cast<std::int64_t>(extra.size())};
 }
 
-/// Calls the contestant once more and returns its pairs, normalised.
+/// Calls the contestant once more and returns its pairs, normalised (workload.h) so that they can be compared.
 std::vector<Pair> answer(const Contestant& contestant, Query query) {
     contestant.call();
     std::vector<Pair> pairs = contestant.pairs();
@@ -102,7 +102,7 @@ nlohmann::json contest(const Workload& workload, std::span<const std::string> pe
     const std::vector<Times> times = race(contestants, effort);
     const double processors = std::min(before, processors_at_hand());
 
-    // Finds the way with the least median for each name.
+    // For each name, finds the contestant with that name (method of that program) with the least median time.
     std::vector<std::size_t> best;
     for (std::size_t i = 0; i < contestants.size(); ++i) {
         if (!times[i].raced()) continue;

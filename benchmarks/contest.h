@@ -25,8 +25,8 @@ std::vector<std::string> built_peers();
 /// or why it is left out.
 nlohmann::json describe_peers();
 
-/// Returns the contestants of the named peers, one for each method (Contestant::way); none of a peer that lacks the
-/// workload's query.
+/// Returns the contestants of the named peers, one for each method (Contestant::way). Peers that do not support the
+/// workload's query have no contestants.
 std::vector<Contestant> peer_contestants(const Workload& workload, std::span<const std::string> peers);
 
 /// Races crumple against `peers` on one workload, prints a table and returns the same as JSON.

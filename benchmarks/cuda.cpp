@@ -1,14 +1,14 @@
 // crumple_cuda_benchmark: the cuda backend alone, on meshes that lie on the device, as in a simulation on the device.
 //
-// A detector is warmed up, then queries the same frame repeatedly by launch and wait. The time of a frame is that of
-// the device, between events around the graph on the caller's stream, which a kernel keeps busy until the graph is
-// enqueued. Other columns: on an idle stream, which includes the host's launch; by the host's clock, which includes
+// A detector is warmed up, then queries the same frame repeatedly by launch and wait. The time of a frame is the
+// device's: between events before and after the graph on the caller's stream, which a kernel keeps busy until the graph
+// is enqueued. Other columns: on an idle stream, which includes the host's launch; by the host's clock, which includes
 // wait(); with the mesh on the host, which includes upload and download; the cpu backend on all threads; and, for each
-// stage, the lower bound that bandwidth and launches imply. Each result is compared with the cpu backend's. A wrong one
-// is marked in its row ("right": false, with a sentence), the run continues, and its exit status is 1. The file of
-// figures grows row by row, so that an interrupted run leaves what was measured.
+// stage, the lower bound that bandwidth and launches imply. Each result is compared with that of the cpu backend. A wrong
+// result is marked in its row ("right": false, with a sentence); the run continues, and the program's exit status is 1.
+// The file of figures grows row by row, so that an interrupted run leaves its figures.
 //
-// With --serve it takes turns with peers on the same device: peers_python.py --on-device.
+// With --serve, the program is a contestant of peers_python.py --on-device, which measures peers on the same device.
 
 #include <cuda_profiler_api.h>
 #include <cuda_runtime.h>
@@ -83,8 +83,9 @@ class Simulation {
     }
     const MeshView& view() const { return view_; }
 
-    /// Launches a frame and returns the milliseconds between events before and after it. On an idle stream they include
-    /// the host's launch, some 10 us; if `busy`, the stream is kept busy until then, and they do not.
+    /// Launches a frame and returns the milliseconds between events before and after it. If `busy`, a kernel keeps the
+    /// stream busy until the host has launched the frame. Otherwise the stream is idle, and the time includes the host's
+    /// launch, some 10 us.
     double frame(Detector& detector, bool busy) {
         if (busy) keep_busy(stream_);
         check(cudaEventRecord(begin_, stream_));
@@ -113,7 +114,8 @@ std::string difference(const Intersections& cuda, const Intersections& cpu) {
            array_difference("hit flags", cuda.hit, cpu.hit);
 }
 
-/// Returns the times of the stages, over frames that are not launched as a graph, so that events separate the stages.
+/// Returns the times of the stages in settings.frames calls of find(), which does not launch a graph, so that events
+/// can be recorded between the stages.
 std::array<Summary, stage_count> stages(const Settings& settings, Detector& detector, const MeshView& view) {
     std::array<std::vector<double>, stage_count> times;
     for (int i = 0; i < settings.frames; ++i) {
@@ -126,7 +128,7 @@ std::array<Summary, stage_count> stages(const Settings& settings, Detector& dete
 }
 
 /// Prints the time of each stage and its lower bound by bandwidth and launches (docs/cuda.md), and returns the rows.
-/// The frame is timed as a graph, the stages are not; so together they take longer.
+/// The sum of the stages' times exceeds the frame's time, because only the frame is launched as a graph.
 nlohmann::json bounds(const DeviceLimits& limits, const std::string& scene, const LeastWork& least,
                       const std::array<Summary, stage_count>& stages, const Summary& frame) {
     Table table(fmt::format("{}: microseconds beside what {} GB/s and {} us a node of a graph allow", scene,
@@ -147,7 +149,7 @@ nlohmann::json bounds(const DeviceLimits& limits, const std::string& scene, cons
                         {"ratio", ratio}});
     };
     for (std::size_t k = 0; k < stages.size(); ++k) {
-        if (least.stage[k].nodes == 0) continue;  // its work runs in a parallel branch
+        if (least.stage[k].nodes == 0) continue;  // the stage's work runs in a parallel branch of the graph
         row(std::string(stage_name(static_cast<Stage>(k))), stages[k].median, least.stage[k],
             least.stage[k].nodes * limits.node);
     }
@@ -219,8 +221,9 @@ nlohmann::json measure(const Settings& settings, const std::string& scene, Table
     return row;
 }
 
-/// Measures cloth from 10,000 triangles on. The exponent is that of the large sizes: small frames are mostly launches,
-/// whose time does not grow, and would make it too small. Calls so_far(rows) after each size.
+/// Measures cloth of 10,000 triangles up to settings.largest. "exponent" (time ~ triangles^exponent) is fitted to sizes
+/// from 200,000 triangles on: frames of smaller sizes are mostly launches, whose time does not grow with the size, so
+/// that they would make it too small. Calls so_far(rows) after each size.
 template <class SoFar>
 nlohmann::json growth(const Settings& settings, Table& table, SoFar so_far) {
     constexpr int large = 200'000;
@@ -246,7 +249,8 @@ nlohmann::json growth(const Settings& settings, Table& table, SoFar so_far) {
     return result;
 }
 
-/// Runs a few frames and nothing else, for a profiler, whose range is the last one.
+/// Runs settings.frames frames of each scene and step and nothing else. The range that a profiler records
+/// (cudaProfilerStart to cudaProfilerStop) is the last frame of each.
 void play(const Settings& settings) {
     for (const std::string& scene : settings.scenes) {
         const Workload workload = load(scene);
@@ -267,7 +271,7 @@ void write(const std::string& path, std::span<const T> values) {
     if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }
 
-/// Writes the mesh and crumple's pairs to a folder, for peers, and returns their description.
+/// Writes the mesh and crumple's pairs to a folder, where peers read them, and returns their description.
 nlohmann::json dump(const Workload& workload, const Intersections& found, const std::string& folder) {
     std::visit([&](const auto& values) { write(folder + "/vertices", std::span(values)); }, workload.a.vertices);
     write(folder + "/triangles", std::span(workload.a.triangles));
@@ -279,8 +283,8 @@ nlohmann::json dump(const Workload& workload, const Intersections& found, const 
             {"pairs", found.pairs.size()}};
 }
 
-/// Serves requests like crumple_benchmark --serve (requests.h). A turn is a number of frames on the device, timed by
-/// the host's clock and with wait(), as calls of peers are. The number of threads is ignored.
+/// Serves requests like crumple_benchmark --serve (requests.h), except for `parts`. A call of the request `run` is a
+/// frame on the device, timed by the host's clock including wait(), as calls of peers are. Ignores the number of threads.
 void serve(const Settings& settings) {
     const Workload workload = load(settings.scenes.at(0));
     Simulation simulation(workload.a);
@@ -318,7 +322,8 @@ int run(Settings settings) {
         settings.serving ? serve(settings) : play(settings);
         return 0;
     }
-    // Time to make the first backend of the process: loads kernels, allocates their stacks, compares known results.
+    // Time to make the first backend of the process, which loads kernels, allocates their stacks, and compares decisions
+    // of the device about test cases with those of the host.
     const double backend = milliseconds_of([&] { const Detector detector(settings.options()); });
     settings.limits = measure_limits(settings.device);
     int runtime = 0, driver = 0;
@@ -338,7 +343,7 @@ int run(Settings settings) {
     Table table(fmt::format("cuda on {}, milliseconds, medians of {} frames", device.name, settings.frames),
                 {"scene", "triangles", "pairs", "device", "quartiles", "from idle", "with wait", "host to host", "cpu",
                  "first"});
-    // Returns a function that appends a row to a list of the figures and writes the file.
+    // Returns a function that appends a row to the list of this name in the figures, and writes the file.
     const auto add_to = [&](const char* list) {
         result[list] = nlohmann::json::array();
         return [&, list](nlohmann::json row) {
@@ -375,7 +380,7 @@ int run(Settings settings) {
 
 int main(int argc, char** argv) {
     using namespace crumple::benchmark;
-    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // prints each line at once, whatever ends the program
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // prints each line at once, so that none is lost if the program is killed
     Settings settings;
     CLI::App app("The cuda backend on meshes that lie on the device.");
     app.add_option("--scene", settings.scenes,

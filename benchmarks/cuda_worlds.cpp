@@ -15,7 +15,8 @@
 namespace crumple::benchmark {
 namespace {
 
-/// Times steps; sets `differs` if the result of any of them is not the expected one.
+/// Times `frames` launches with poses and result on the device. Sets `differs` if `any` of one of the results is not
+/// that of `expected`; their other members are not compared.
 Summary steps_on_device(const Options& options, int frames, const World& world, const IntersectionQuery& query,
                         const Intersections& expected, bool& differs) {
     const DeviceArray poses(world.poses.data(), world.poses.size_bytes());

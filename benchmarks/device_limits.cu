@@ -13,7 +13,8 @@ void check(cudaError_t error) {
 
 namespace {
 
-// Attributes by number: the headers that play a device on the CPU, in tests, do not name them.
+// Attributes are given by number, because the headers of the device that the CPU emulates (cuda_on_cpu/), with which this
+// file is also compiled for tests, do not name them.
 constexpr auto memory_clock_kilohertz = static_cast<cudaDeviceAttr>(36);
 constexpr auto bus_width_bits = static_cast<cudaDeviceAttr>(37);
 constexpr auto clock_kilohertz = static_cast<cudaDeviceAttr>(13);
@@ -127,7 +128,7 @@ void keep_busy(cudaStream_t stream) {
 DeviceLimits measure_limits(int device) {
     constexpr int further = 100;
     DeviceLimits limits;
-    // Two transfers per clock.
+    // Bytes per second: 1,000 for kHz, times two transfers per clock, times the width of the bus.
     limits.peak_bandwidth = 2e3 * attribute(memory_clock_kilohertz, device) * attribute(bus_width_bits, device) / 8;
     Meter meter;
     const auto bytes = static_cast<std::size_t>(4 * std::max(attribute(cudaDevAttrL2CacheSize, device), 4e6));

@@ -12,7 +12,7 @@ namespace crumple::benchmark {
 void check(cudaError_t error);
 
 struct DeviceLimits {
-    double peak_bandwidth = 0;  ///< bytes per second, by memory clock and bus width; 0 if the device hides these
+    double peak_bandwidth = 0;  ///< bytes per second, by memory clock and bus width; 0 if the device does not report them
     double copy_bandwidth = 0;  ///< bytes per second, read and written, of a copy of four times the L2 cache
     // Median milliseconds between events on the stream; for graphs, on a stream that is kept busy before:
     double graph = 0;   ///< a graph of one empty kernel
@@ -22,8 +22,8 @@ struct DeviceLimits {
     double bandwidth() const { return peak_bandwidth > 0 ? peak_bandwidth : copy_bandwidth; }
 };
 
-/// Keeps the stream busy for some 50 us, so that the host enqueues the following work before the device reaches it:
-/// events behind this call then measure the device's work alone.
+/// Keeps the stream busy for some 50 us, so that the host enqueues the following work before the device reaches it.
+/// Events that are recorded after this call then measure only the device's work.
 void keep_busy(cudaStream_t stream);
 
 /// Measures the limits of `device`, which must be the current one.

@@ -1,5 +1,6 @@
-// crumple_mpi_benchmark: MPI ranks with one thread each against one process with as many threads, in turns, on moving
-// frames. Each rank has a block of the triangles. Run it by mpirun.
+// crumple_mpi_benchmark: compares MPI ranks with one thread each with one process with as many threads as there are ranks,
+// alternately, on two frames that alternate. Each rank has a block of the triangles. --growth compares the memory of the
+// ranks with that of one process on one thread. Run it by mpirun.
 //
 //     mpirun -n 2 crumple_mpi_benchmark unc_cloth_ball cloth:1000000
 //     mpirun -n 4 crumple_mpi_benchmark --growth cloth:100000000
@@ -48,7 +49,7 @@ struct Resident {
         }
         return resident;
     }
-    /// Returns free memory to the system and resets the peak.
+    /// Returns memory that the allocator has free to the system, and resets the peak to the current value.
     static void reset_peak() {
         malloc_trim(0);
         std::ofstream("/proc/self/clear_refs") << 5;
@@ -154,14 +155,15 @@ nlohmann::json race_ranks(const std::string& scene, const Settings& settings, in
     return row;
 }
 
-/// Returns the hash of rows that follow others, whose hash is `before`.
+/// Returns the hash of a list of rows that ends with `pairs`, given the hash `before` of the rows in front of them (0 if
+/// there are none).
 std::uint64_t hash_of(std::span<const Pair> pairs, std::uint64_t before) {
     for (const auto [a, b] : pairs)
         before = scenes::mix(before ^ (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)));
     return before;
 }
 
-/// Returns the hash of all ranks' rows in the order of ranks, on each rank.
+/// Returns, on each rank, the hash of the rows of all ranks in the order of the ranks.
 std::uint64_t hash_of_all(std::span<const Pair> pairs, int rank, int ranks) {
     std::uint64_t hash = 0;
     if (rank > 0) MPI_Recv(&hash, 1, MPI_UINT64_T, rank - 1, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
@@ -175,11 +177,11 @@ std::uint64_t hash_of_all(std::span<const Pair> pairs, int rank, int ranks) {
 struct Growth {
     std::int64_t triangles = 0, pairs = 0;
     std::uint64_t hash = 0;
-    double mebibytes = 0;  // peak of the rank that needs most
+    double mebibytes = 0;  // peak of the rank that needs most, without the memory in use before it had a scene
     std::array<double, 2> milliseconds{};
 };
 
-// Measures two calls on a scene of which each rank makes its own block.
+// Measures two calls on a cloth. Each rank makes only its own block of it.
 Growth grow_on_ranks(const scenes::Parameters& parameters, const Settings& settings, int rank, int ranks) {
     Growth growth;
     const double empty = Resident::measure().now;
@@ -229,8 +231,9 @@ Growth grow_alone(const scenes::Parameters& parameters) {
     return growth;
 }
 
-// Compares peaks of memory, less what a process used before it had a scene: that of the rank that needs most, with its
-// local mesh, and that of one process with the whole scene, which no other process ever holds.
+// Compares the peak memory of the rank that needs most, which includes its local mesh, with that of one process that has
+// the whole scene. Memory that was in use before a process had a scene is subtracted. Only rank 0 makes the whole scene,
+// after the ranks have been measured.
 nlohmann::json measure_growth(const std::string& scene, const Settings& settings, int rank, int ranks) {
     const auto [name, parameters] = parse(scene);
     if (name != "cloth" || parameters.triangles == 0)

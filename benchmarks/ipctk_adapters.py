@@ -1,9 +1,10 @@
-"""Times IPC Toolkit's own calls with its broad phase and with crumple.adapters.ipctk, in one process, taking turns.
+"""Times IPC Toolkit's own calls with its broad phase and with crumple.adapters.ipctk, in one process, alternately.
 
     python ipctk_adapters.py [--quick] [--scene NAME] [--json OUT]
 
-Has the requirements, scenes, rounds and clocks of motion_python.py. Meshes and edges exist before the clock starts. The
-clock covers building a tree, candidates as Python objects, and all of crumple's work. Uses all threads.
+Requirements, scenes, rounds and clocks are those of motion_python.py. Meshes and edges exist before the clock starts.
+The measured time includes building trees, making Python objects of candidates, and all of crumple's work. Uses all
+threads.
 """
 
 from __future__ import annotations

@@ -4,13 +4,14 @@
 // nodes of the frame's graph. Together with a device's limits they bound a stage's time from below (docs/cuda.md).
 //
 // Bytes: each kernel reads the needed part of its inputs once and writes its outputs once, in the layout of
-// src/backends/cuda/stages/layout.h, and nothing stays in a cache from one kernel to the next. A gather counts the
-// distinct elements, not the 32 bytes that memory transfers for each. Data that do not grow with the scene, or by a few
-// bytes per leaf, are left out: samples, centres, partial sums, frames, counters; so are the few pairs that float32
-// filters leave unresolved.
+// src/backends/cuda/stages/layout.h, and nothing stays in a cache from one kernel to the next. For gathers, the bytes of
+// the distinct elements count, not the 32 bytes that memory transfers for each. Data are left out whose size does not
+// depend on the scene, or is a few bytes per leaf: samples, centres, partial sums, frames, counters. So are the few pairs
+// that float32 filters leave unresolved.
 //
-// Nodes: kernels, memsets and copies that wait for each other, by the host's code of each stage. A frame is a mesh
-// against itself, on the device, with rows of three int32, warm-started, with default options.
+// Nodes: kernels, memsets and copies of which each waits for the one before, counted in the host's code of each stage. The
+// bounds are for a search of one mesh against itself, on the device, with default options and warm-started clusters, whose
+// triangles are contiguous rows of three int32.
 
 #include <array>
 #include <cstdint>
@@ -32,8 +33,8 @@ struct Work {
 
 struct LeastWork {
     std::array<Work, stage_count> stage;
-    int beside = 0;  ///< nodes that warm-start the next frame: fuzzy C-means and places of each level, frames
-    Work frame;      ///< all stages, and counters cleared and read before and after them
+    int beside = 0;  ///< nodes in parallel branches, for the next frame: clusters of each level (fuzzy C-means), frames
+    Work frame;      ///< all stages, and the batched clear of counters before them
 };
 LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& counted);
 

@@ -4,8 +4,9 @@ python merge_results.py BENCHMARK OUT PART ...    missing parts are left out
 
 CRUMPLE_BENCHMARK_SECONDS is the duration of the run, if known.
 
-Parts may contain repeated measurements, in case other load disturbed the first ones: of two contests of the same peers
-on the same workload, or of two runs of a study, the quieter one is kept, and listed as measured again.
+Parts may contain repeated measurements, for example because other load disturbed the first ones. Of two contests of the
+same peers on the same workload, and of two runs of a study, the one during which more processors were free is kept. If
+that is the later one, "measured_again" lists it.
 """
 
 import datetime
@@ -56,7 +57,7 @@ def at_hand(figures):
 
 
 def merge(result, figures):
-    """Adds the figures of one part to the result; quieter measurements replace those already there."""
+    """Adds the figures of one part to the result. Replaces a measurement if the new one had more free processors."""
     known = {peer["name"] for peer in result["peers"]}
     result["peers"] += [peer for peer in figures.get("peers", []) if peer["name"] not in known]
     for contest in figures.get("contests", []):

@@ -1,21 +1,22 @@
-"""Times motion and nearness (exact impacts of a step, near pairs) against IPC Toolkit, in one process, taking turns.
+"""Times motion and nearness (exact impacts of a step, near pairs) against IPC Toolkit, in one process, alternately.
 
     python motion_python.py [--quick] [--scene NAME] [--json OUT]
 
 Needs crumple's Python package and ipctk in one environment, which scripts/test_python.sh --all makes, and the frames
-below $CRUMPLE_DATA (default: ../shared/data beside the checkout). Meshes, edges and the peer's trees are objects that
-exist before the clock starts; crumple is given NumPy arrays, and finds its edges on the clock. All are warm.
+below $CRUMPLE_DATA (default: ../shared/data beside the checkout). IPC Toolkit's meshes, edges and tree objects exist
+before the clock starts; crumple gets NumPy arrays, and its measured time includes finding edges. Both are warm.
 
-IPC Toolkit searches boxes (LBVH, its default) and then decides one candidate after the other, in C++: the first contact
-of all, or if there is one, by Tight-Inclusion or additive CCD with their defaults; or distances. It makes no list of
-impacts and their times, so crumple's whole list is compared with that one number. Both have the same candidates,
-vertices with faces and edges with edges: crumple in sorted arrays, the peer as its C++ objects. For distances, boxes
-are inflated by half the radius, as its own NormalCollisions does: enough for all pairs within the radius.
+IPC Toolkit searches overlapping boxes (LBVH, its default) and then tests one candidate after the other, in C++. For
+motion it computes one number, a step size up to the first contact, or whether there is a contact, by Tight-Inclusion or
+additive CCD with their defaults. For nearness it computes distances. It makes no list of impacts and their times, so
+crumple's whole list is compared with the step size. Both find the same candidates, vertices with faces and edges with
+edges: crumple as sorted arrays, IPC Toolkit as its C++ objects. For distances, its boxes are inflated by half the
+radius, as its own NormalCollisions does, which suffices for all pairs within the radius.
 
 Every contestant is timed on one thread and on all. Times are medians over rounds: on one thread the CPU time of the
 thread, which other load on the machine disturbs less; on all threads the wall-clock time. A ratio is computed for each
-round; its median and quartiles are reported. "Fastest" compares each contestant's faster number of threads, by
-wall-clock time. Steps and distances of the peer are compared with the exact ones.
+round; its median and quartiles are reported. The column "fastest" compares wall-clock times, of each contestant with
+the number of threads with which it is faster. Steps and distances of the peer are compared with the exact ones.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ LEAST_ROUNDS = 3
 class Scene:
     name: str
     frame: str  # path of a file below scalable-ccd, with a placeholder for the frame number
-    first: int  # the step is from this frame to the next
+    first: int  # number of the frame at the start of the step; the next frame is its end
     radius: float  # a quarter of the mean edge length of the first frame
 
     def path(self, step=0):
@@ -74,7 +75,8 @@ class Contestant:
 
 
 def ours(scene, mesh, end, threads):
-    """Returns crumple's contestants, with a detector each for motion, nearness and candidates, as in a simulation."""
+    """Returns crumple's contestants. Queries about motion, nearness and candidates use one detector each, as in
+    simulations."""
     step, near, boxes = (crumple.Detector(threads=threads) for _ in range(3))
     moving = mesh.moving_to(end)
     return [
@@ -97,7 +99,10 @@ def least_toi(impacts):
 
 
 def least_distances(near, mesh, radius):
-    """Returns for each vertex the least distance of the pairs that it takes part in, at most `radius`."""
+    """Returns for each vertex the least distance of the near pairs with a feature that has this vertex, or `radius`.
+
+    Of a vertex-face pair these are the vertex and the face's corners, of a pair of edges their ends.
+    """
     least = np.full(len(mesh.vertices), radius)
     for corners, squared in (
         (near.vertex_faces[:, :1], near.vertex_face_squared_distance),
@@ -163,8 +168,8 @@ AGAINST = [
 
 
 def race(contestants, rounds, seconds):
-    """Returns milliseconds (wall, thread) of each contestant and round, and figures of its result. The order
-    alternates."""
+    """Maps each contestant to its milliseconds (wall-clock time, CPU time of the thread) of each round, and to the
+    figures of its result. The order of contestants is reversed from round to round."""
     times, told = {c.name: [] for c in contestants}, {}
 
     def turn(c, record):
@@ -193,7 +198,8 @@ def summary(values):
 
 
 def compare(mine, peer, exact, radius):
-    """Describes how the peer's result differs."""
+    """Describes how the figures of the peer's result differ from crumple's. `exact` is the exact first time of
+    impact."""
     if mine.keys() == {"candidates"}:
         same = mine["candidates"] == peer["candidates"]
         return f"{mine['candidates']:,} candidates" + ("" if same else f", the peer has {peer['candidates']:,}")
@@ -274,7 +280,7 @@ def main():
     chosen = [s for s in SCENES if s.name in (arguments.scene or [])] or SCENES[: 1 if arguments.quick else None]
     if missing := [s.path() for s in chosen if not s.path().exists()]:
         sys.exit(f"motion_python.py: there is no {missing[0]}; CRUMPLE_DATA names the folder of scalable-ccd")
-    ipctk.set_logger_level(ipctk.off)  # it logs each contact at the start
+    ipctk.set_logger_level(ipctk.off)  # ipctk logs each contact that exists at the start of a step
     versions = {"crumple": crumple.__version__, "ipctk": ipctk.__version__}
     versions |= {"numpy": np.__version__, "python": platform.python_version()}
     load = os.getloadavg()[0]

@@ -1,13 +1,13 @@
-"""Times distances of bodies (docs/nearest.md) against Coal's `distance`, in one process and taking turns.
+"""Times distances of bodies (docs/nearest.md) against Coal's `distance`, in one process, alternately.
 
     python nearest_python.py [--quick] [--json OUT]
 
 Needs crumple's Python package and Coal in one environment, which scripts/test_python.sh --all makes. Both get the same
 pairs and poses; timed_rows.py measures times and computes ratios. Both are called from Python, on one thread. Coal's
-trees (OBBRSS), transforms and requests are made before the clock starts; crumple's shapes are named, and it reads poses
-as NumPy arrays on the clock. Coal is queried for an unsigned distance, and also returns the nearest points; it computes
-in float64 with rounding errors. Crumple decides exactly, for posed vertices that are rounded to float32, and returns
-the first of the closest pairs of triangles.
+trees (OBBRSS), transforms and requests are made before the clock starts. Crumple's shapes are named, so that it caches their
+trees; its measured time includes reading poses from NumPy arrays. Coal is queried for an unsigned distance, and also returns
+the nearest points; it computes in float64 with rounding errors. Crumple decides exactly, for posed vertices that are rounded
+to float32, and returns the first of the closest pairs of triangles.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def distance_request():
 
 
 def pair(name, first, second, poses):
-    """Returns a row: the distance of two bodies in each of (n, 2, 3, 4) poses, one call per pose."""
+    """Returns a row: the distance of two bodies under each of n pairs of poses, an array (n, 2, 3, 4); one call per pair."""
     shapes = [crumple.Shape(*mesh, name=f"{name} {i}") for i, mesh in enumerate((first, second))]
     detector, world = crumple.Detector(threads=1), crumple.World(shapes)
     trees = tree(*first), tree(*second)
@@ -85,8 +85,8 @@ def pairs_of_bodies(quick):
 
 
 def robot(quick):
-    """Returns a row: distances of all links to the obstacles, many configurations in one call; Coal in a loop, whose
-    overhead is subtracted."""
+    """Returns a row: the distances of a robot's links to obstacles, for many configurations. Crumple computes all in one call;
+    Coal is called in a loop, whose overhead is subtracted."""
     links, length, count = 8, 1.5, 20 if quick else 200
     mesh = scenes.link(25, 41, length, 0.2)
     room = scenes.obstacles(20_000 if quick else 200_000)
@@ -126,8 +126,8 @@ def robot(quick):
 
 
 def clearances(quick):
-    """The clearance of each configuration of a chain of 9 links among obstacles, in one call; Coal in a loop, which hands
-    the least distance so far to the next link as the bound of its search."""
+    """Returns a row: the least distance from obstacles of each configuration of a chain of 9 links. Crumple computes all in one
+    call. Coal is called in a loop over the links, with or without the least distance so far as a bound of the next search."""
     links, length, count = 9, 1.5, 50 if quick else 500
     mesh, room = scenes.link(12, 21, length, 0.2), scenes.obstacles(40_000)
     free = np.random.default_rng(4).uniform(room.vertices.min(0), room.vertices.max(0), size=(count, 3))

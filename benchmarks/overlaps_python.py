@@ -1,20 +1,22 @@
-"""Times overlaps of bodies (docs/overlap.md) against Manifold's booleans, in one process and taking turns.
+"""Times overlaps of bodies (docs/overlap.md) against Manifold's booleans, in one process, alternately.
 
     python overlaps_python.py [--quick] [--case NAME] [--threads N] [--json OUT]
 
 Needs crumple's Python package and Manifold (pip install manifold3d) in one environment, and for real meshes the data
-below $CRUMPLE_DATA (default: ../shared/data beside the checkout); missing data is left out. Each number of threads runs
-in a process of its own, which is limited to as many cores.
+below $CRUMPLE_DATA (default: ../shared/data beside the checkout); rows whose data is missing are left out. Each number
+of threads runs in a process of its own, which is limited to as many cores.
 
 Manifold computes a boolean and its volume; crumple computes volume, centroid, normal, depth and torque. Manifold's
-meshes are objects that exist before the clock starts, and it is given the pairs of bodies, which crumple finds. Rows:
+meshes are objects that exist before the clock starts, and it is given the pairs of bodies that crumple has to find.
+Kinds of rows:
 
     deform      vertices move in each call: Manifold makes solids of the meshes, then the boolean
-    before      named shapes under new poses: Manifold's solids exist; it transforms one of them, or skips that
-    search      time of overlaps against crumple's search for intersections of the same scene, both warm
+    before      named shapes under new poses: Manifold's solids exist before the clock starts. One contestant of
+                Manifold transforms a solid and makes the boolean; another one only makes the boolean
+    search      overlaps against crumple's own search for intersections of the same scene, both warm
     first call  the same with new detectors, which have not searched the triangles before
-    poses       configurations of two bodies; Manifold in a loop over some of them
-    contact     bodies that touch, so that sums are exactly 0, against the search
+    poses       configurations of two bodies: crumple in one call, Manifold in a loop over a part of them
+    contact     bodies that touch, whose volume is exactly 0: overlaps against crumple's search for intersections
 
 A ratio is computed for each round (timed_rows.py). On one thread, times are CPU times of the process, which other load
 on the machine disturbs less; otherwise wall-clock times. Volumes are compared with exact ones if these are known.
@@ -73,7 +75,7 @@ MORE_PAIRS = [
 
 @dataclass
 class Setting:
-    """Settings of a run."""
+    """Settings of a run in one process."""
 
     quick: bool
     threads: int
@@ -90,7 +92,7 @@ class Setting:
 class Pair:
     name: str
     bodies: tuple  # two of (vertices, faces)
-    exact: float | None  # volume, rounded to nearest
+    exact: float | None  # exact volume of the overlap, rounded to the nearest float64; None if unknown
 
 
 def read_body(told):
@@ -120,13 +122,13 @@ def real_pairs(names):
 
 
 def deformed(vertices):
-    """Returns the vertices bent by less than a thousandth of the longest edge of their bounding box."""
+    """Returns the vertices, moved along each axis by less than a thousandth of their bounding box's longest edge."""
     size = np.ptp(vertices, axis=0).max()
     return vertices + 2**-12 * size * np.sin(np.roll(vertices, 1, axis=1) * (4 / size))
 
 
 def states_of(bodies):
-    """Returns two states between which bodies alternate: unchanged, and bent."""
+    """Returns two lists of bodies between which calls alternate: unchanged ones, and deformed ones."""
     return [list(bodies), [(deformed(vertices), faces) for vertices, faces in bodies]]
 
 
@@ -135,13 +137,13 @@ def solid(vertices, faces):
 
 
 def refused(pair):
-    """Returns why Manifold refuses to make a solid of a body; None if it accepts both."""
+    """Returns Manifold's reason for refusing to make a solid of one of the bodies; None if it accepts both."""
     states = [manifold3d.Manifold(solid(*body)).status() for body in pair.bodies]
     return next((f"{s}" for s in states if s != manifold3d.Error.NoError), None)
 
 
 def alternating(call):
-    """Returns a contestant that alternates between the states 0 and 1."""
+    """Returns a contestant that calls call(0) and call(1) alternately, once each time it is called itself."""
     states = itertools.cycle((0, 1))
     return lambda turn: call(next(states))
 
@@ -188,7 +190,7 @@ def deforming(pair, setting):
 def built_before(pair, setting):
     shapes = [crumple.Shape(*body, name=f"{pair.name} {k}") for k, body in enumerate(pair.bodies)]
     world, detector = crumple.World(shapes), setting.detector()
-    poses = np.tile(np.eye(3, 4), (2, 2, 1, 1))  # by state and body: the second body rotates slightly back and forth
+    poses = np.tile(np.eye(3, 4), (2, 2, 1, 1))  # [state, body]: the second body is rotated by 0.001 or by -0.001
     for state, angle in enumerate((0.001, -0.001)):
         poses[state, 1, :2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
     a, b = (manifold3d.Manifold(solid(*body)) for body in pair.bodies)
@@ -213,7 +215,8 @@ def built_before(pair, setting):
 
 
 def beside_search(name, states, setting):
-    """Returns a row of warm calls that alternate between the states."""
+    """Returns a row that compares overlaps with a search for intersections. Calls are warm, and alternate between the
+    states."""
     meshes = [[crumple.Mesh(*body) for body in bodies] for bodies in states]
     mine, search = setting.detector(), setting.detector()
 
@@ -259,7 +262,7 @@ def pairs_of_meshes(setting, names):
 
 
 def balls_of_the_scene(truth):
-    """Returns the closed bodies of a scene of many, and the exact volumes of some pairs."""
+    """Returns the bodies of a file that contains many, and the exact overlap volumes of some pairs of them."""
     path = DATA / truth["file"]
     runs = json.loads((path.parent.parent.parent / "derived" / "n-body-simulation_components.json").read_text())
     vertices, faces = read_body(truth)
@@ -270,7 +273,7 @@ def balls_of_the_scene(truth):
 
 
 def many_balls(setting):
-    """Yields rows of a scene of many bodies: crumple finds the overlapping pairs, Manifold is given them."""
+    """Yields rows of a scene of many balls. Crumple has to find the overlapping pairs; Manifold is given them."""
     path = DATA / "gt-overlap" / "balls16_18.json"
     if not path.exists() or not (DATA / json.loads(path.read_text())["file"]).exists():
         print(f"balls are left out: there is no {path}, or not the scene that it names")
@@ -288,7 +291,7 @@ def many_balls(setting):
         named.poses = poses[state]
         return before.overlaps(named, **query)
 
-    # All bodies are inside out. Manifold expects outward orientation, so their faces are reversed for it.
+    # The normals of all bodies point inwards. Manifold expects outward normals, so their faces are reversed for it.
     pairs = [tuple(map(int, row)) for row in deform.overlaps(worlds[0], **query).bodies]
     used = sorted(set(itertools.chain(*pairs)))
     solids = [{k: solid(state[k][0], state[k][1][:, ::-1]) for k in used} for state in states]
@@ -330,7 +333,8 @@ def many_balls(setting):
 
 
 def configurations(setting):
-    """Yields rows of two named bodies in many worlds, with volume and normal of each; about half of them overlap."""
+    """Yields rows about many configurations of two named bodies, about half of which overlap. Crumple computes volumes
+    and normals of all in one call; Manifold computes the volumes of a twentieth of them in a loop."""
     count = 1_000 if setting.quick else 10_000
     some = count // 20
     vertices, faces = scenes.ball(5)
@@ -361,7 +365,7 @@ def configurations(setting):
 
 
 def contact(setting):
-    """Yields rows of bodies that touch: volumes and area vectors are exactly 0, which only rationals can prove."""
+    """Yields rows of bodies that touch. Volumes and area vectors are exactly 0; only rational arithmetic proves it."""
     vertices = 10_000 if setting.quick else 100_000
     for name, bodies in (
         ("tents that share a ridge", scenes.tents(vertices // 3)),
@@ -401,7 +405,7 @@ def summarise(rows):
 
 
 def run(setting, names):
-    """Measures in this process, on its first cores."""
+    """Measures in this process, on the first setting.threads of the cores that it may use."""
     cores = sorted(os.sched_getaffinity(0))
     if len(cores) < setting.threads:
         sys.exit(f"overlaps_python.py: {setting.threads} threads need as many cores, and this process has {len(cores)}")
@@ -416,7 +420,7 @@ def run(setting, names):
 
 
 def run_apart(threads, arguments):
-    """Runs the measurements in a new process, since Manifold keeps as many threads as its first call finds cores."""
+    """Runs the measurements in a new process, since Manifold's first call fixes its number of threads: one per core."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "run.json"
         command = [sys.executable, __file__, "--threads", str(threads), "--json", str(out)]

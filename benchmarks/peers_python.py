@@ -1,16 +1,16 @@
-"""Times the peers that come from PyPI against crumple_benchmark, in alternation.
+"""Times the peers that come from PyPI against crumple_benchmark, alternately.
 
-Every contestant is a process that waits for requests: crumple_benchmark --serve, or a worker (peers/worker.py). All are
-given the same arrays. A turn returns the milliseconds of each call that fits into a slice of time. Only work inside the
-libraries is timed: arrays are converted before and results after, except if a contestant is called "from Python". The
-race follows race.h: median over all calls, ratios computed for each round, hopelessly slow configurations of a peer
-left out after the warm-up.
+Every contestant is a process that waits for requests: crumple_benchmark --serve, or a worker (peers/worker.py). All get the
+same arrays. At each request a contestant makes calls during a slice of time and returns the milliseconds of each. Only work
+inside the libraries is timed, not the conversion of arrays before and of results after it; contestants named "from Python"
+include making Python objects of the result. The race follows race.h: medians over all calls, ratios computed for each round,
+configurations of a peer left out after the warm-up if they are much slower than its fastest one.
 
     python peers_python.py --benchmark build/benchmarks/crumple_benchmark --json out.json
     python peers_python.py --on-device --benchmark build/benchmarks/crumple_cuda_benchmark --scene cloth:100000
 
-With --on-device, crumple's cuda backend races with the peers that run on a device. All meshes and pairs stay on the
-device; the host's clock is read once the result is complete.
+With --on-device, crumple's cuda backend is timed against the peers that run on a device. All meshes and pairs stay on the
+device; times are read from the host's clock once the result is complete.
 """
 
 import argparse
@@ -34,7 +34,7 @@ SCENES = ["cloth_ball92", "balls16_18", "227", "Generic_Twin_right", "ember_016"
           "armadillo_86k"]
 PROCEDURAL = ["cloth", "bodies", "between:bodies", "any:shells"]
 QUICK, QUICK_PROCEDURAL = ["227", "ember_406", "bunny_69k"], ["cloth:20000", "between:bodies:20000", "any:shells"]
-HOPELESS = 1.5  # factor of the warm-up time over that of the fastest configuration of the same peer
+HOPELESS = 1.5  # a configuration is left out if its warm-up takes so many times as long as that of the peer's fastest one
 LEAST_ROUNDS = 3
 
 
@@ -98,7 +98,8 @@ class Peer:
         return answer["ms"]
 
 
-# Peers that ended instead of responding, and on which workload: other versions may lack what a worker relies on.
+# Maps each peer whose process ended instead of responding to a reason with the workload. This may happen with other versions of
+# a peer, which lack a function that the worker calls.
 ended = {}
 
 
@@ -108,7 +109,7 @@ def leave_out(name, workload, reason):
 
 
 def without(reason, contestants, workload):
-    """Returns the contestants without the peer whose process has ended, in all its configurations."""
+    """Returns the contestants without all configurations of the peer whose process has ended."""
     name = next(c.name for c in contestants if c.process.process is reason.process)
     if name == "crumple":
         raise reason
@@ -118,7 +119,7 @@ def without(reason, contestants, workload):
 
 @functools.cache
 def peers_here(on_device):
-    """Returns the classes of each module whose package is installed, and the reasons why others are left out."""
+    """Returns the classes of each module whose package is installed, and the reasons why other modules are left out."""
     here, left_out = {}, {}
     for module in ON_DEVICE if on_device else PEERS:
         try:
@@ -175,7 +176,7 @@ def enter(workload, benchmark, folder, quick, on_device):
 
 
 def race(contestants, rounds, seconds, budget):
-    """Sets `rounds` of each contestant: milliseconds of each call in each round; empty if it is hopelessly slow."""
+    """Sets `rounds` of each contestant: milliseconds of each call in each round; empty if it is left out by HOPELESS."""
     for c in contestants:
         c.rounds, c.warm_up = [], min(c.turn(2 * seconds))
     fastest = {c.name: min(d.warm_up for d in contestants if d.name == c.name) for c in contestants}
@@ -245,7 +246,7 @@ def contest(workload, benchmark, quick, on_device, rounds, seconds, budget):
     with tempfile.TemporaryDirectory() as folder:
         contestants, description = enter(workload, benchmark, Path(folder), quick, on_device)
         entries = None
-        while entries is None:  # repeated without any peer that ends in between
+        while entries is None:  # if a peer's process ends during the race, repeats the race without that peer
             try:
                 before = contestants[0].process.ask("processors")
                 race(contestants, rounds, seconds, budget)

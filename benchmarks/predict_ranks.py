@@ -3,19 +3,22 @@
 python predict_ranks.py RESULTS [--latency SECONDS] [--overhead SECONDS] [--bandwidth BYTES_PER_SECOND] [--cores N]
 
 RESULTS is the JSON of `crumple_benchmark --study scaling`. Each quantity is fitted over the rows of 16 ranks and more,
-as a function of the triangles per rank (n) and the ranks (P). Quantities are those of the slowest rank, except for
-bytes, which all ranks of a machine send together:
+as a function of the triangles per rank (n) and the number of ranks (P), with constants a, b, c of its own. Fitted are
+values of the rank with the largest value, except for work and bytes, of which means over all ranks are fitted:
 
-    work        a n^b, times the ratio of the slowest rank to the mean
-    rest        n (a + min(b sqrt(P), LOOK)) + c: the smaller parts are, the more triangles may have reached another
-                part since the last frame, and must be checked
-    messages    a P^b: a rank sends to the owners of the parts that it has members of
-    bytes       a n^b P^c, at most the largest number measured per triangle: in the limit all coordinates are sent
+    work        a n^b milliseconds of searches, times the ratio of the slowest rank to the mean
+    rest        n (a + min(b sqrt(P), LOOK)) + c milliseconds of other computation. The more ranks, the smaller are
+                their parts, and the more triangles may have moved into another part since the last frame and must be
+                checked; a check takes LOOK milliseconds
+    messages    a P^b: a rank sends to the owners of all parts that have some of its triangles
+    bytes       a n^b P^c, but at most n times the largest measured number of bytes per triangle, since no more than all
+                coordinates are sent
 
-Machines have N ranks of one core each and one full-duplex link. A frame then takes work, rest, and
+Machines have N ranks of one core each and one full-duplex link, which their ranks share. A frame then takes work, rest,
+and
 
-    messages x overhead + exchanges x latency + (2 reductions + broadcasts + all-to-alls) x log2(P) latency
-    + (N x mean + largest bytes + 2 bytes reduced + all-to-alls x log2(P) 4 P bytes) / bandwidth
+    messages x overhead + exchanges x latency + (2 reductions + broadcasts + all-to-alls) x log2(P) x latency
+    + (N x mean bytes + largest bytes + 2 x bytes reduced + all-to-alls x log2(P) x 4 P bytes) / bandwidth
 
 Needs NumPy. docs/scaling.md shows the tables.
 """
@@ -26,12 +29,13 @@ from pathlib import Path
 
 import numpy as np
 
-SMALLEST = 16  # least number of ranks in the rows that are fitted
-LOOK = 300e-6  # milliseconds to find the parts of one triangle on three levels
+SMALLEST = 16  # least number of ranks of the rows that are fitted
+LOOK = 300e-6  # milliseconds to find the parts of one triangle, if parts are found on three levels
 
 
 def fit(columns, values):
-    """Minimises the squares of relative errors; returns the factors of the columns, and the largest error."""
+    """Fits values by a linear combination of the columns, with the least sum of squared relative errors. Returns the
+    factors of the columns, and the largest relative error."""
     columns, values = np.array(columns, float).T, np.array(values, float)
     factors = np.linalg.lstsq(columns / values[:, None], np.ones(len(values)), rcond=None)[0]
     return factors, np.max(np.abs(columns @ factors / values - 1))
@@ -57,7 +61,7 @@ class Model:
         self.bytes, self.bytes_error = fit_power([n, ranks], self.column("bytes"))
         self.most_bytes = float(np.max(self.column("bytes") / n))
         self.largest_bytes = float(np.median(self.column("bytes", "largest") / self.column("bytes")))
-        # Bytes that a frame reduces, divided by the number of ranks; each part takes eight.
+        # Bytes that are reduced in a frame, divided by the number of ranks: eight bytes per part.
         self.reduced = float(np.median(self.column("reduced") / ranks))
         self.counts = {name: float(np.median(self.column(name)))
                        for name in ("reductions", "broadcasts", "all_to_alls", "exchanges")}
@@ -66,7 +70,7 @@ class Model:
         return np.array([row["frame"][name][which] if name else row["ranks"] for row in self.rows], float)
 
     def frame(self, n, ranks, network):
-        """Returns the milliseconds of the slowest rank for work, rest, latency and bytes."""
+        """Returns the milliseconds that the slowest rank spends on work, rest, latency, and sending bytes."""
         log = np.log2(ranks)
         work = self.imbalance * np.exp(self.work @ [1, np.log(n)])
         rest = min(self.rest @ [n, n * np.sqrt(ranks), 1], LOOK * n + self.rest @ [n, 0, 1])

@@ -10,7 +10,7 @@
 namespace crumple::benchmark {
 namespace {
 
-constexpr double hopeless = 1.5;  // times slower than the fastest way of the same name
+constexpr double hopeless = 1.5;  // largest ratio of a warm-up time to that of the fastest way of the same name
 constexpr int least_rounds = 3;
 
 double milliseconds(const std::function<void()>& call) {
@@ -19,7 +19,7 @@ double milliseconds(const std::function<void()>& call) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Returns a quantile by linear interpolation between the order statistics of sorted values.
+/// Returns the quantile `share` (0.5: the median) of sorted values, by linear interpolation between neighbouring values.
 double quantile(const std::vector<double>& sorted, double share) {
     const double place = share * static_cast<double>(sorted.size() - 1);
     const auto below = static_cast<std::size_t>(place);

@@ -11,7 +11,7 @@
 
 namespace crumple::benchmark {
 
-/// Block of a mesh's triangles, with their vertices.
+/// Block of consecutive triangles of a mesh, with their vertices. All blocks have about the same number of triangles.
 struct RankBlock {
     io::TriangleMesh mesh;
     std::vector<std::int64_t> vertex_ids;
@@ -29,7 +29,7 @@ struct RankBlock {
                 mesh.triangles.push_back(v);
             }
         }
-        // Rank 0 adds the vertices that no triangle has.
+        // Rank 0 adds the vertices that are corners of no triangle of the whole mesh.
         for (std::size_t v = 0; rank == 0 && v < local.size(); ++v)
             if (local[v] < 0 && !named_elsewhere(whole, v)) vertex_ids.push_back(static_cast<std::int64_t>(v));
         follow(whole);
@@ -45,7 +45,7 @@ struct RankBlock {
             },
             whole.vertices);
     }
-    /// Blocks are in the order of the ranks, so triangles need no ids.
+    /// Returns the block as the local mesh of its rank. Blocks are in the order of the ranks, so triangles need no ids.
     MeshShare share() const { return {mesh.view(), {}, vertex_ids}; }
 
    private:

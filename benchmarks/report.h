@@ -24,7 +24,7 @@ class Table {
     std::vector<std::vector<std::string>> rows_;
 };
 
-/// Formats a number with three significant digits.
+/// Formats a number with three significant digits, but with all digits before the point and at most six after it.
 std::string number(double value);
 /// Formats the quartiles as "lower - upper".
 std::string range(const Summary& summary);
@@ -32,16 +32,16 @@ std::string range(const Summary& summary);
 /// Returns the slope of the least squares line through (log x, log y).
 double exponent(std::span<const double> x, std::span<const double> y);
 
-/// Receiver of rows of figures, called for each row once it is measured.
+/// Callback that receives rows of figures, each as soon as it is measured.
 using RowSink = std::function<void(nlohmann::json)>;
 
-/// Returns median and quartiles.
+/// Returns median and quartiles as JSON.
 nlohmann::json to_json(const Summary& summary);
-/// Returns median, quartiles and 99th percentile, for calls that a simulation waits for.
+/// Returns median, quartiles and 99th percentile as JSON. The percentile matters for calls that a simulation waits for.
 nlohmann::json with_percentile_99(const Summary& summary);
 
-/// Writes one record per line, as benchmarks/figures.py does, and replaces the file atomically: a reader never sees
-/// half of it. Throws std::runtime_error.
+/// Writes figures to a file, one record per line, as benchmarks/figures.py does. Replaces the file atomically: a reader
+/// never sees an incomplete file. Throws std::runtime_error.
 void write_json(const std::string& path, const nlohmann::json& figures);
 
 }  // namespace crumple::benchmark

@@ -1,4 +1,4 @@
-"""Shapes and poses for worlds_python.py, nearest_python.py and overlaps_python.py: the same on every machine."""
+"""Shapes and poses for the benchmarks that are called from Python. They are the same on every machine."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ import crumple
 
 
 def ball(cuts, radius=1.0):
-    """A sphere of 20 cuts**2 triangles, an icosahedron whose edges are cut: float32 vertices and int32 faces."""
+    """Returns float32 vertices and int32 faces of a sphere of 20 cuts**2 triangles.
+
+    It is an icosahedron whose edges are divided into `cuts` pieces, projected to the sphere.
+    """
     golden = (1 + 5**0.5) / 2
     corners = np.array([p for s in (-1, 1) for t in (-golden, golden) for p in ((0, s, t), (s, t, 0), (t, 0, s))])
     far = np.linalg.norm(corners[:, None] - corners, axis=2)
@@ -35,21 +38,24 @@ def ball(cuts, radius=1.0):
 
 
 def _joined(points, faces):
-    """Points of equal position made one."""
+    """Returns float32 vertices and int32 faces, after merging points whose coordinates are equal to nine digits."""
     _, kept, new = np.unique(points.round(9) + 0.0, axis=0, return_index=True, return_inverse=True)
     return points[kept].astype(np.float32), new.reshape(-1)[np.array(faces)].astype(np.int32)
 
 
 def box(size=1.0):
-    """A cube about the origin of edges of that length, 12 triangles: float64 vertices and int32 faces."""
+    """Returns float64 vertices and int32 faces of a cube around the origin: 12 triangles, edges of length `size`."""
     corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return corners, np.array([t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))], np.int32)
 
 
 def sheets(side, apart):
-    """Two flat sheets in one plane, grids of so many squares a side, the second one moved by (apart, 0.21): float64
-    vertices and int32 faces, half of both of each sheet."""
+    """Returns float64 vertices and int32 faces of two flat sheets in the plane z = 0.
+
+    Each is a grid of side * side unit squares. The second sheet is moved by (apart, 0.21, 0). The first half of the
+    vertices and of the faces belongs to the first sheet.
+    """
     x, y = np.meshgrid(np.arange(side + 1.0), np.arange(side + 1.0), indexing="ij")
     vertices = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)
     corner = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).ravel()
@@ -60,8 +66,8 @@ def sheets(side, apart):
 
 
 def tents(along):
-    """Two prisms whose ridges, crooked lines of so many points, are the same: one lies below, one above it. Float64
-    vertices and int32 faces of each, 3 along vertices."""
+    """Returns two prisms with the same ridge, a crooked line of `along` points: the first one lies below the ridge, the
+    second one above it. Each is (float64 vertices, int32 faces) with 3 * along vertices."""
     random = np.random.default_rng(5)
     ridge = np.stack([np.arange(along) / 8, random.uniform(-0.1, 0.1, along), random.uniform(-0.01, 0.01, along)], 1)
     lines = [np.arange(along) + first * along for first in range(3)]
@@ -76,14 +82,18 @@ def tents(along):
 
 
 def mirrored(vertices, faces):
-    """A mesh and its mirror image, float64, that touch where it reaches farthest along x."""
+    """Returns a mesh and its mirror image, with float64 vertices, which touch where the mesh's x is greatest.
+
+    Moves the mesh so that the plane of the mirror is x = 0.
+    """
     vertices = vertices.astype(float)
     vertices[:, 0] -= vertices[:, 0].max()
     return [(vertices, faces), (vertices * (-1, 1, 1), faces[:, ::-1].copy())]
 
 
 def link(around, along, length, radius):
-    """A rod from the origin along z with round ends, 2 around (along - 1) triangles."""
+    """Returns float32 vertices and int32 faces of a rod with round ends, from the origin along z. It has
+    2 * around * (along - 1) triangles."""
     height = np.linspace(0, np.pi, along + 1)
     z = np.where(height < np.pi / 2, 0, length) - radius * np.cos(height)
     turn = 2 * np.pi * np.arange(around) / around
@@ -102,7 +112,7 @@ def link(around, along, length, radius):
 
 
 def rotations(random, n):
-    """(n, 3, 3), uniform."""
+    """Returns n uniformly distributed rotations, as an array (n, 3, 3)."""
     w, x, y, z = np.moveaxis(_unit(random, n, 4), -1, 0)
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -118,12 +128,13 @@ def _unit(random, n, dimensions):
 
 
 def poses_of(rotation, translation):
-    """(..., 3, 4)"""
+    """Returns poses (..., 3, 4) made of rotations (..., 3, 3) and translations (..., 3)."""
     return np.concatenate([rotation, translation[..., None]], axis=-1)
 
 
 def on_the_cloth(cloth, n, radius):
-    """Poses of a ball of that radius, at most so far from a random vertex of the cloth that they meet."""
+    """Returns n poses (n, 3, 4) of a ball of this radius that collides with the cloth: its centre is less than `radius`
+    away from a random vertex of the cloth."""
     random = np.random.default_rng(1)
     near = cloth.vertices[random.integers(len(cloth.vertices), size=n)].astype(float)
     away = _unit(random, n, 3) * random.uniform(0.2, 0.95, size=(n, 1)) * radius
@@ -131,7 +142,8 @@ def on_the_cloth(cloth, n, radius):
 
 
 def beside_each_other(n, apart):
-    """(n, 2, 3, 4): two bodies each, turned at random, the distance of their origins within `apart` (least, most)."""
+    """Returns n pairs of poses of two bodies, (n, 2, 3, 4), with random rotations. The distance of their origins is
+    uniformly distributed between the two values of `apart`."""
     random = np.random.default_rng(2)
     poses = poses_of(rotations(random, 2 * n), np.zeros((2 * n, 3))).reshape(n, 2, 3, 4)
     poses[:, 1, :, 3] = _unit(random, n, 3) * random.uniform(*apart, size=(n, 1))
@@ -139,7 +151,8 @@ def beside_each_other(n, apart):
 
 
 def spread(poses, step):
-    """The same, each world in a cell of its own of a cubic grid."""
+    """Returns the poses (n, bodies, 3, 4) of n worlds, moved so that each world is in its own cell of a cubic grid with
+    cells of size `step`."""
     n = len(poses)
     side = int(np.ceil(n ** (1 / 3)))
     cell = np.stack(np.unravel_index(np.arange(n), (side, side, side)), axis=-1)
@@ -149,7 +162,9 @@ def spread(poses, step):
 
 
 def arm(n, links, length, bases, bend):
-    """(n, links, 3, 4): chains of rods from random places among `bases`, each bent against the one before."""
+    """Returns poses (n, links, 3, 4) of n chains of rods along z of this length. The first rod starts at a random point
+    of `bases` in a random direction. Each later rod starts at the end of the rod before, rotated against it about its
+    x or y axis by at most `bend` radians."""
     random = np.random.default_rng(3)
     rotation = rotations(random, n)
     origin = bases[random.integers(len(bases), size=n)]
@@ -163,7 +178,7 @@ def arm(n, links, length, bases, bend):
 
 
 def _turn(axis, angle):
-    """(n, 3, 3): by Rodrigues' formula."""
+    """Returns the rotations (n, 3, 3) about n unit axes by n angles in radians, by Rodrigues' formula."""
     x, y, z = axis.T
     zero = np.zeros_like(x)
     cross = np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
@@ -176,5 +191,5 @@ def cloth(triangles):
 
 
 def obstacles(triangles):
-    """Balls, boxes and rings that hang in a room."""
+    """Returns a mesh of about so many triangles: balls, boxes and rings that are distributed in a room."""
     return crumple.make_scene("bodies", triangles=triangles)

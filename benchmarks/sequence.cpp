@@ -21,7 +21,7 @@ struct Files {
     std::string (*path)(int number);
 };
 
-/// Sequences with one file per frame. UNC provides two frames of each animation.
+/// Sequences with one file per frame. They are animations of UNC, of which two frames each are available.
 const std::vector<Files> files{
     {"unc_cloth_ball",
      {92, 93},

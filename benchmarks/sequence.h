@@ -15,8 +15,9 @@ struct Sequence {
     std::vector<io::TriangleMesh> frames;
 };
 
-/// Loads every `step`-th frame of a sequence. It is named NAME[:TRIANGLES]: a file sequence, or a procedural scene that
-/// moves, by its name and size as in workload.h. Throws Error for an unknown name or a missing file.
+/// Loads every `step`-th frame of a sequence, or both frames of an unc_... sequence, which has only two. `name` is that of
+/// a sequence of files, or NAME[:TRIANGLES] for a procedural scene that moves, as in workload.h. Throws Error for an
+/// unknown name or a missing file.
 Sequence load_sequence(const std::string& name, int step = 1);
 
 /// Returns the names of all available sequences: those from files, then every procedural scene that moves.

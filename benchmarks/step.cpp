@@ -13,7 +13,7 @@
 namespace crumple::benchmark {
 namespace {
 
-constexpr double way = 0.5, reach = 0.25;  // multiples of the mean edge length
+constexpr double way = 0.5, reach = 0.25;  // mean motion of a vertex, and radius: multiples of the mean edge length
 
 const std::vector<std::string> from_files{"unc_funnel", "unc_cloth_ball", "unc_n_body"};
 

@@ -1,17 +1,20 @@
-"""Times steps as solvers take them: with a share of each distance kept, cut short of contact, and clear of everything.
+"""Times step sizes as solvers compute them against IPC Toolkit: steps that keep a share of the distance of each pair.
 
     python steps_python.py [--quick] [--json OUT]
 
-Needs crumple's Python package and ipctk in one environment, scripts/test_python.sh --all makes one; and for real scenes
-the frames that $CRUMPLE_DATA names (../shared/data beside the checkout otherwise), which are left out without it.
+Needs crumple's Python package and ipctk in one environment, which scripts/test_python.sh --all makes, and for real scenes the
+frames below $CRUMPLE_DATA (default: ../shared/data beside the checkout); missing scenes are left out.
 
-IPC Toolkit builds its candidates by LBVH, its default, and finds one step for them, by additive CCD or Tight-Inclusion,
-both with conservative_rescaling 0.8, as solvers use them; the faster one counts. Crumple keeps a share of 0.2 of each
-pair's own distance. Its free step also verifies the positions as they are rounded. Shares are set against no share, first
-impacts of sheets that slide in one plane against all impacts, and worlds of bodies that are clear of each other against
+IPC Toolkit builds its candidates by LBVH, its default, and computes one step size for them, by additive CCD or Tight-Inclusion,
+both with conservative_rescaling 0.8, as solvers use them; the faster one counts. Crumple's steps keep 0.2 of the distance of
+each pair (min_distance_share). Its free step also verifies the rounded positions at the end of the step.
+
+Further rows compare crumple with itself: first impacts that keep a share with first impacts without one; first impacts of two
+sheets that slide in one plane with all impacts; and impacts and proximities in worlds whose bodies are clear of each other with
 a search for intersections of the same worlds without motion.
 
-All on one thread, of the thread's own time, warm; medians of rounds, in which contestants change places.
+All contestants use one thread and are warm. Times are medians of the thread's CPU time over rounds; the order of contestants is
+reversed from round to round.
 """
 
 from __future__ import annotations
@@ -43,7 +46,7 @@ SHARE = 0.2
 
 
 def steps(quick):
-    """(name, mesh at the start, vertices at the end)."""
+    """Yields steps as (name, mesh at the start, vertices at the end)."""
     for triangles in (5_000,) if quick else (5_000, 50_000, 200_000):
         start, end = (crumple.make_scene("cloth", triangles=triangles, frame=frame) for frame in (30, 31))
         yield f"cloth of {len(start.faces):,}", crumple.Mesh(start.vertices, start.faces), end.vertices
@@ -60,7 +63,7 @@ def steps(quick):
 
 
 def toolkit(mesh, end):
-    """Returns functions that compute the peer's step, by the name of the method."""
+    """Maps the name of each method of IPC Toolkit to a function that computes its step size."""
     columns = np.asfortranarray
     start, faces = columns(mesh.vertices.astype(float)), columns(mesh.faces.astype(np.int32))
     end = columns(end.astype(float))
@@ -109,7 +112,8 @@ def rows_of_step(name, mesh, end):
 
 
 def slides(quick):
-    """Two flat sheets that slide in one plane: over each other from the start on, and next to each other at first."""
+    """Returns rows about two flat sheets that slide in one plane: sheets that lie on each other at the start, and sheets that
+    lie next to each other at the start."""
     side, detector = 10 if quick else 40, crumple.Detector(threads=1)
 
     def sheets(apart, way):
@@ -127,14 +131,14 @@ def slides(quick):
         first = functools.partial(lambda moving, turn: detector.first_impact(moving), moving)
         found = functools.partial(lambda every, way: f"{len(every(0))} impacts", every)
         rows.append(Row(f"{name}: first impact", first, {"crumple, all impacts": every}, 1, found))
-    # Tight-Inclusion takes 31 s where both sheets have 32 triangles.
+    # Leaves out Tight-Inclusion, which takes 31 s even for sheets of 32 triangles.
     peer = {"additive CCD": toolkit(*scene)["additive CCD"]}
     compare = lambda way: f"{first(0).toi:.6g}, the peer's step is {peer[way](0):.6g}"  # noqa: E731
     return [*rows, Row("the same", first, peer, 1, compare)]
 
 
 def clear_worlds(quick):
-    """Configurations of a chain of 9 links among obstacles of 40,000 triangles, those that are clear of them."""
+    """Returns rows about those configurations of a chain of 9 links that are clear of obstacles, which have 40,000 triangles."""
     links, length, count = 9, 1.5, 50 if quick else 500
     vertices, faces = scenes.link(12, 21, length, 0.2)
     room = scenes.obstacles(40_000)

@@ -1,10 +1,11 @@
-"""Measures how soon calls end after Ctrl-C: the worst of many stops at random times of a call, by query.
+"""Measures how soon calls end after Ctrl-C: for each query, the median and the longest latency of many stops.
 
     python stop_latency.py [--quick] [--stops N] [--only NAME]
 
-Needs crumple's Python package, and an idle machine. A timer sends SIGINT at a time drawn uniformly from the time that
-the whole call takes; the latency is the time from the signal's handler being due to the KeyboardInterrupt. The first
-call of a detector is measured, which allocates, and later ones, which reuse what it has.
+Needs crumple's Python package, and an idle machine. A timer's signal (SIGALRM, handled like SIGINT) is due at a time that is
+drawn uniformly from the duration of the whole call. The latency is the time from then until the call raises
+KeyboardInterrupt. Every other stop is in the first call of a new detector, which allocates memory; the others are in later
+calls of one detector, which reuse its memory.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def robots(count):
 
 
 def calls(quick):
-    """(name, call of a detector) that takes a second or so."""
+    """Maps names of queries to functions of a detector that run them; without `quick`, each takes about a second or more."""
     size = 20_000 if quick else 1_000_000
     cloth = crumple.make_scene("cloth", triangles=size)
     mesh, step = crumple.Mesh(cloth.vertices, cloth.faces), moving(size // 2)
@@ -65,7 +66,8 @@ def calls(quick):
 
 
 def latency(call, after):
-    """Seconds from the signal, sent after so many, to the exception; None if the call ends before."""
+    """Returns the seconds from the time at which the signal is due, `after` seconds after the start of the call, to the
+    exception; None if the call ends before."""
     sent = []
 
     def interrupt(*_):

@@ -1,7 +1,8 @@
-"""Rows of the benchmarks that are called from Python: contestants alternate, and a row compares crumple with a peer.
+"""Rows of the benchmarks that are called from Python. A row compares crumple with a peer; their calls alternate.
 
-Times are medians. A ratio is the peer's time over crumple's, computed for each turn, or for each round if a row has
-only one turn; its median and quartiles are reported.
+A row has one or more turns, for example one per pose, and each round measures all turns of all contestants. Times are
+medians. A ratio is the peer's time divided by crumple's. It is computed for each turn from medians over rounds or, if a
+row has only one turn, for each round. The median and the quartiles of the ratios are reported.
 """
 
 from __future__ import annotations
@@ -22,21 +23,22 @@ def microseconds(call, clock):
 
 
 class Row:
-    """Row of the table: `ours` and each of `theirs` run the queries of a turn; compare(way) describes differences."""
+    """Row of the table. `ours` and each function of `theirs` (by the name of a peer's configuration) run the queries of
+    a turn, whose number is their argument. compare(name) describes how results of that configuration differ."""
 
     def __init__(
         self, name, ours, theirs, turns, compare, a_turn=1, less=None, clock=time.thread_time, peer_a_turn=None
     ):
         self.name, self.ours, self.theirs, self.turns, self.compare = name, ours, theirs, turns, compare
         self.a_turn = a_turn  # queries per turn
-        self.peer_a_turn = peer_a_turn or a_turn  # queries per turn of the peer, if it gets fewer
-        self.clock = clock  # CPU time of the thread, robust to other load, unless a row needs more threads
-        self.less = less  # overhead of the peer's loop, to be subtracted; measured like `theirs`
+        self.peer_a_turn = peer_a_turn or a_turn  # queries per turn of the peer, if they are fewer than crumple's
+        self.clock = clock  # default: CPU time of the thread, which other load affects little; for rows on one thread
+        self.less = less  # function that runs only the peer's loop; its time is subtracted from the peer's
 
 
 def race(row, rounds, seconds):
-    """Returns the microseconds of each contestant, turn and round; the order alternates from round to round. Ends
-    early, but not before LEAST_ROUNDS, once so many seconds have passed."""
+    """Maps the name of each contestant to microseconds, [turn][round]. The order of contestants is reversed from round
+    to round. Stops before `rounds` rounds if `seconds` have passed, but not before LEAST_ROUNDS rounds."""
     calls = {"crumple": row.ours, **row.theirs, **({"loop": row.less} if row.less else {})}
     times = {name: [[] for _ in range(row.turns)] for name in calls}
     for call in calls.values():
@@ -53,7 +55,7 @@ def race(row, rounds, seconds):
 
 def judge(row, rounds, seconds=float("inf")):
     times = race(row, rounds, seconds)
-    if row.turns == 1:  # one turn per round
+    if row.turns == 1:  # values are those of rounds, otherwise medians of turns
         times = {name: times[name][0] for name in times}
     else:
         times = {name: [median(t) for t in times[name]] for name in times}

@@ -43,7 +43,7 @@ bool starts_with(std::string& name, std::string_view prefix) {
     return true;
 }
 
-/// Returns the triangles whose group is even (remainder 0) or odd (1).
+/// Returns the triangles whose group is even (if `remainder` is 0) or odd (if it is 1), with all vertices of the mesh.
 io::TriangleMesh groups_of(const io::TriangleMesh& mesh, int remainder) {
     io::TriangleMesh part{mesh.vertices, {}, {}};
     for (std::size_t t = 0; t < mesh.groups.size(); ++t) {

@@ -2,10 +2,11 @@
 
 // Workloads: one or two meshes, and a query about them.
 //
-// A workload is named [any:|between:]SCENE[:TRIANGLES][@FRAME]. SCENE is a file's short name (`real_scenes`) or a
-// procedural scene of crumple::scenes, whose last frame is taken if none is named. Without a prefix the query is the
-// one that the scene is listed with, for procedural ones all pairs of one soup. `any` decides only if there is a
-// collision; `between` sets the procedural scene's even groups against its odd ones.
+// A workload is named [any:|between:]SCENE[:TRIANGLES][@FRAME]. SCENE is a short name of files (real_scenes()) or a
+// procedural scene of crumple::scenes. FRAME is the last frame by default. Without a prefix, the query of a scene from files
+// is the one in the list of these scenes (workload.cpp), and that of a procedural scene is all colliding pairs of one mesh.
+// `any` finds only whether anything collides. `between` makes two meshes of a procedural scene, its even and its odd groups,
+// and finds the pairs between them.
 
 #include <cstdint>
 #include <filesystem>
@@ -23,7 +24,7 @@ namespace crumple::benchmark {
 enum class Query : std::uint8_t {
     self,     ///< all colliding pairs of one soup
     between,  ///< all colliding pairs of a triangle of `a` and a triangle of `b`
-    any,      ///< only if any two triangles of one soup collide
+    any,      ///< only whether any two triangles of one soup collide
 };
 std::string_view name_of(Query query);
 
@@ -45,20 +46,20 @@ std::pair<std::string, scenes::Parameters> parse(const std::string& name);
 /// Returns the folder of the scenes' files: $CRUMPLE_DATA or else ../shared/data beside the checkout. May not exist.
 std::filesystem::path data_folder();
 
-/// Returns the names of the workloads from files; empty if there are no files.
+/// Returns the names of the workloads from files; empty if data_folder() does not exist. Single files may be missing.
 std::vector<std::string> real_scenes();
 
-/// Returns the names of procedural workloads that cover all queries, for races that take minutes a scene.
+/// Returns the names of procedural workloads for races, which may take minutes each. They cover all queries.
 std::vector<std::string> procedural_scenes();
 
-/// Returns the names of procedural_scenes() and of every other procedural scene, at the size that it is made for. Some
-/// are simulated at their first use.
+/// Returns the names of procedural_scenes() and of all other procedural scenes, at their usual sizes. Some scenes are
+/// simulated at their first use, which takes minutes.
 std::vector<std::string> every_procedural_scene();
 
 /// Returns the names of a few small workloads, from files if there are any.
 std::vector<std::string> quick_scenes();
 
-/// Returns a mesh's coordinates, three of `Scalar` per vertex, converted if need be.
+/// Returns a copy of a mesh's coordinates, three per vertex, converted to `Scalar` if they are of another type.
 template <class Scalar>
 std::vector<Scalar> coordinates(const io::TriangleMesh& mesh) {
     return std::visit([](const auto& values) { return std::vector<Scalar>(values.begin(), values.end()); },

@@ -1,14 +1,15 @@
-"""Times worlds (docs/worlds.md) against Coal, the library of simulators and planners, in one process and taking turns.
+"""Times worlds (docs/worlds.md) against Coal, a library of simulators and planners, in one process, alternately.
 
     python worlds_python.py [--quick] [--json OUT]
 
 Needs crumple's Python package and Coal in one environment, which scripts/test_python.sh --all makes. Both are called
-from Python, on one thread unless a row says otherwise. Coal's trees (OBBRSS) and its transforms and requests are made
-before the clock starts; crumple's shapes are named, and it reads poses as NumPy arrays on the clock. Coal runs in its
-fastest configuration: with or without contacts, and any other choices that a row offers.
+from Python, on one thread except for rows that name another number. Coal's trees (OBBRSS) and its transforms and requests are
+made before the clock starts. Crumple's shapes are named, so that it caches their trees; its measured time includes reading
+poses from NumPy arrays. Coal is compared in its fastest configuration: with or without contacts, and with other choices of
+some rows.
 
-Times are medians; on one thread they are CPU times of the thread, which other load on the machine disturbs less. A
-ratio is computed for each pose, or for each round if one call has all poses; its median and quartiles are reported.
+Times are medians; on one thread they are CPU times of the thread, which other load on the machine disturbs less. A ratio is
+computed for each pose, or for each round if one call processes all poses; its median and quartiles are reported.
 Results are compared: Coal decides in float64 with rounding errors, crumple exactly, for posed vertices that are rounded
 to float32, so the two may disagree about triangles that hardly touch.
 """
@@ -61,7 +62,7 @@ ALL = 2**62
 
 
 def pairs_differ(answers):
-    """Describes how the pairs differ. The argument has, for each pose, the sets of pairs of crumple and of the peer."""
+    """Describes how the pairs differ. The argument has (set of crumple's pairs, set of the peer's pairs) for each pose."""
     found, missing, extra = map(sum, zip(*((len(a), len(a - b), len(b - a)) for a, b in answers)))
     return f"{found} pairs; the peer lacks {missing}, has {extra} more"
 
@@ -72,7 +73,8 @@ def flags_differ(ours, theirs):
 
 
 def ball_and_cloth(quick):
-    """Returns four rows: all pairs, or any, with the ball on the cloth and lifted clear."""
+    """Returns four rows about a ball and a cloth: all pairs, and yes or no, each with a ball that collides with the cloth and one
+    above it."""
     vertices, faces = scenes.ball(16)
     cloth = scenes.cloth(20_000 if quick else 200_000)
     shapes = [crumple.Shape(vertices, faces, name="ball"), crumple.Shape(cloth.vertices, cloth.faces, name="cloth")]
@@ -155,7 +157,7 @@ def robot(quick):
 
         return lambda turn: [collides(placed) for placed in given]
 
-    # A tree of boxes over the obstacles, each of which has a tree of its own.
+    # Coal's manager: a tree of boxes over the obstacles, each of which also has a tree of its own triangles.
     pieces = []
     for group in np.unique(room.groups):
         used, renamed = np.unique(room.faces[room.groups == group], return_inverse=True)
@@ -196,8 +198,8 @@ def robot(quick):
 
 
 def planner(quick):
-    """One configuration a call, as planners check edges: is a chain of 9 links nearer to obstacles than 0.05? Pairs of
-    links are excluded by name; Coal calls collide for each link, with a security margin."""
+    """Returns three rows with one configuration per call, as motion planners check them: is a chain of 9 links within 0.05 of
+    obstacles? Crumple excludes pairs of links by name; Coal's collide is called for each link, with a security margin."""
     links, length, count, margin = 9, 1.5, 20 if quick else 200, 0.05
     vertices, faces = scenes.link(12, 21, length, 0.2)
     room = scenes.obstacles(20_000 if quick else 40_000)
@@ -239,8 +241,8 @@ def planner(quick):
 
 
 def many_worlds(quick):
-    """Returns two rows of worlds of two balls each, about half of them colliding: against Coal, with all worlds in one
-    place, and against crumple itself, with each world in a place of its own."""
+    """Returns two rows about worlds of two balls each, about half of which collide. The first compares with Coal, the second with
+    crumple itself if each world lies in a different place; otherwise all worlds lie in the same place."""
     count = 500 if quick else 10_000
     vertices, faces = scenes.ball(5)
     shapes = [crumple.Shape(vertices, faces, name=f"small ball {k}") for k in range(2)]

@@ -29,19 +29,19 @@ io::WorldMesh read_one(const std::string& file, const io::ReadOptions& how) {
     return world;
 }
 
-/// Removes the word that detect --containment writes after two names.
+/// Removes the third field of a line, which detect --containment writes after two names.
 void drop_inside(std::vector<std::string>& fields) {
     if (fields.size() == 3 && (fields[2] == "inside" || fields[2] == "1" || fields[2] == "0")) fields.pop_back();
 }
 
-/// Splits a line into two names. Returns nothing if there are more or fewer.
+/// Splits a line of a text list into two names. Returns nothing if the line has more or fewer names.
 std::optional<std::pair<std::string, std::string>> split(std::string_view line) {
     const bool by_tab = line.find('\t') != line.npos;
     std::vector<std::string> words;
     while (true) {
         while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
         if (line.empty()) break;
-        if (line.front() == '"') {  // up to the next quote that is not escaped
+        if (line.front() == '"') {  // the name ends at the next quote without a backslash
             std::size_t end = 1;
             while (end < line.size() && line[end] != '"') end += line[end] == '\\' ? 2 : 1;
             if (end >= line.size()) return std::nullopt;

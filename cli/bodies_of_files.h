@@ -11,7 +11,7 @@
 
 namespace crumple::cli {
 
-/// Throws Error (invalid_argument).
+/// Throws Error (invalid_argument) with this message about an option.
 [[noreturn]] void refuse(const std::string& what);
 
 /// Reads files as worlds and joins them, in order; prints warnings. Names that occur in two files are made unique.
@@ -24,13 +24,13 @@ class BodyNames {
    public:
     explicit BodyNames(const std::vector<io::NamedBody>& bodies);
 
-    /// Parses "A,B", the value of `--excluded-bodies`; names may contain commas. Throws Error (invalid_argument) that
-    /// suggests a name for an unknown one.
+    /// Parses "A,B", the value of `--excluded-bodies`; names may contain commas. Throws Error (invalid_argument) if no
+    /// body has one of the names; the message suggests a similar name.
     BodyPair pair(const std::string& text) const;
-    /// Reads pairs of names from a list that detect has written: .csv or .json by extension, otherwise text with two
-    /// names a line, separated by a tab, or by blanks if no name has any; quoted as by quoted_name(). Skips blank
-    /// lines, comments (#) and the word that detect --containment writes after a pair. Throws Error that names the
-    /// line.
+    /// Reads pairs of names from a list that crumple detect has written. The extension selects .csv or .json; any other
+    /// file is text with two names per line. In text, names are separated by a tab, or by blanks if the line has no tab,
+    /// and may be quoted as by quoted_name(). Skips blank lines, comments (#), and the third column that detect
+    /// --containment writes. Throws Error that names the line.
     std::vector<BodyPair> read_pairs(const std::string& path) const;
 
     const std::vector<std::string>& list() const { return names_; }
@@ -43,8 +43,8 @@ class BodyNames {
     std::vector<std::int32_t> sorted_;
 };
 
-/// Returns a name as lists contain it: unchanged, or as a JSON string if it is empty, has a control character or a
-/// quote, begins with `#`, or begins or ends with a blank.
+/// Returns a name as text lists contain it: as a JSON string if it is empty, has a control character or a quote, begins
+/// with `#`, or begins or ends with a blank; otherwise unchanged.
 std::string quoted_name(const std::string& name);
 
 }  // namespace crumple::cli

@@ -14,7 +14,7 @@ namespace crumple::cli {
 template <class Value>
 using Choices = std::vector<std::pair<std::string, Value>>;
 
-/// Returns all words: "cpu|cuda".
+/// Returns the words of all choices, for help: "cpu|cuda".
 template <class Value>
 std::string words_of(const Choices<Value>& choices) {
     std::string words;
@@ -22,7 +22,8 @@ std::string words_of(const Choices<Value>& choices) {
     return words;
 }
 
-/// Returns the value of a word. Throws CLI::ValidationError if it is none of the choices. `name`: the option.
+/// Returns the value of the word `text`. Throws CLI::ValidationError if it is not among the choices. `name`: name of the
+/// option, for the message.
 template <class Value>
 Value chosen(const char* name, const std::string& text, const Choices<Value>& choices) {
     const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.first == text; });

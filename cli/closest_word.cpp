@@ -7,8 +7,8 @@
 namespace crumple::cli {
 namespace {
 
-/// Returns the number of letters to add, remove, change, or swap with the next one to turn one word into the other.
-/// Case is ignored.
+/// Returns how many edits turn one word into the other, where an edit adds, removes or changes a letter, or swaps two
+/// neighbouring letters. Ignores case.
 std::size_t distance(const std::string& a, const std::string& b) {
     const auto letter = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
     const std::size_t width = b.size() + 1;

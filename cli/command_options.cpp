@@ -35,7 +35,8 @@ PartOfMany parse_part(const std::string& text) {
     return part;
 }
 
-/// Parses a size: 2GiB, 500 MB, 1.5g or bytes. k, M, G and T stand for powers of 1000, with an i for powers of 1024.
+/// Parses a size such as 2GiB, 500 MB or 1.5g; a number without a unit is in bytes. k, M, G and T stand for powers of
+/// 1000; followed by an i, they stand for powers of 1024.
 std::int64_t parse_bytes(const std::string& text) {
     double value = 0;
     const char* const end = text.data() + text.size();
@@ -267,7 +268,7 @@ void check_outputs(const std::vector<std::string>& outputs, std::vector<std::str
     for (const std::string& output : written) {
         if (is_standard(output)) continue;
         for (const std::string& input : inputs) {
-            std::error_code missing;  // set if a file does not exist
+            std::error_code missing;  // set if one of the files does not exist; they differ then
             if (!std::filesystem::equivalent(output, input, missing)) continue;
             throw Error(ErrorCode::invalid_argument, fmt::format("-o {} would overwrite the input {}", output, input),
                         Element::option);

@@ -10,7 +10,7 @@ namespace crumple::cli {
 
 enum Status : int {
     done = 0,
-    collided = 1,       ///< --check: something collides, touches, is near or overlaps; verify: the list is wrong
+    collided = 1,       ///< --check: something was found (info: a body is no solid's surface); verify: the list is wrong
     failed = 2,         ///< wrong use, bad input, a file that cannot be written
     out_of_memory = 3,  ///< under --memory-limit the message states the bytes that are needed
     interrupted = 130   ///< Ctrl-C
@@ -20,7 +20,7 @@ enum Status : int {
 struct Command {
     CLI::App* app;
     std::function<int()> run;
-    bool on_ranks = false;  ///< MPI processes can share its work (ranks.h)
+    bool on_ranks = false;  ///< true if MPI processes can share its work (ranks.h)
 };
 
 Command add_detect(CLI::App& app);

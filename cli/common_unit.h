@@ -1,6 +1,6 @@
 #pragma once
 
-// Conversion of files with different units in one command.
+// Conversion of the input files of one command to a common unit of length.
 
 #include <string>
 
@@ -8,14 +8,15 @@
 
 namespace crumple::cli {
 
-/// Unit of the first file that states one, to which the others are converted.
+/// Converter of meshes and worlds to the unit of the first file that states a unit.
 class CommonUnit {
    public:
     /// `strict`: warnings are errors.
     explicit CommonUnit(bool strict) : strict_(strict) {}
 
-    /// Converts the contents of the next file, and prints a note. Warns if only some of the files state a unit. Throws
-    /// Error (invalid_argument), also for coordinates that overflow.
+    /// Converts the contents of the next file if its unit differs, and prints a note about it. Warns if only some of the
+    /// files state a unit; if strict, throws Error (invalid_argument) instead. Throws Error (invalid_argument) also if a
+    /// coordinate overflows.
     void apply(const std::string& file, io::TriangleMesh& mesh);
     void apply(const std::string& file, io::WorldMesh& world);
 
@@ -26,7 +27,7 @@ class CommonUnit {
 
     bool strict_;
     std::string file_;     ///< first file with a unit
-    std::string unknown_;  ///< first file without one
+    std::string unknown_;  ///< first file without a unit
     io::Unit unit_ = io::Unit::unknown;
     bool warned_ = false;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Frames of a sequence: files, or a scene that is made frame by frame.
+// Frames of a sequence: one file each, or a procedural scene that is generated frame by frame.
 
 #include <optional>
 #include <string>
@@ -14,13 +14,14 @@ namespace crumple::cli {
 
 class Frames {
    public:
-    /// Takes files, or, if `scene` is not empty, that scene. Throws Error (invalid_argument) for both or neither.
+    /// `files`: one per frame. `scene`: name of a procedural scene. Throws Error (invalid_argument) unless exactly one of
+    /// the two is given.
     Frames(std::vector<std::string> files, const std::string& scene, const scenes::Parameters& parameters);
 
     std::size_t count() const { return files_.empty() ? scene_frames_ : files_.size(); }
-    /// Returns the name of the file, or the number of the scene's frame.
+    /// Returns the name of a frame: its file, or its number in the scene.
     std::string name(std::size_t i) const { return files_.empty() ? std::to_string(i) : files_[i]; }
-    /// Loads a frame; must be called in ascending order. Throws Error that names the file and the place.
+    /// Loads frame i. Call in ascending order of i. Throws Error that names the file and the place in it.
     Input load(std::size_t i, const QueryOptions& options);
 
    private:

@@ -4,8 +4,8 @@
 
 namespace crumple::cli {
 
-/// Formats help in 80 columns. Values and positional arguments are shown by their `type_name` alone. Options are
-/// grouped, most common ones first.
+/// Formatter of help texts in 80 columns. Shows values and positional arguments by their CLI11 `type_name` only. Groups
+/// options, the most common ones first.
 class Help : public CLI::Formatter {
    public:
     std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;

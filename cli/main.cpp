@@ -26,7 +26,7 @@ int run(int argc, char** argv) {
         "crumple");
     app.formatter(std::make_shared<Help>());
     app.set_version_flag("--version", "crumple " CRUMPLE_VERSION, "Print the version and exit");
-    app.require_subcommand(0, 1);  // at most one, so that a file may have the name of a command
+    app.require_subcommand(0, 1);  // at most one, so a file may have a command's name
     app.footer(
         "Exit status: 0 done; 1 something collides, touches, is near or overlaps (with --check) or a list is wrong "
         "(verify);\n"
@@ -57,7 +57,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is reported as an error of the write instead
+    std::signal(SIGPIPE, SIG_IGN);  // writing to a closed pipe then fails with EPIPE instead
     clean_up_when_killed();
     std::ios::sync_with_stdio(false);
     const Ranks ranks(argc, argv);

@@ -12,7 +12,7 @@
 namespace crumple::cli {
 namespace {
 
-/// Returns the number of letters to add, remove or change to turn one word into the other.
+/// Returns how many edits turn one word into the other, where an edit adds, removes or changes a letter.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
     std::vector<std::size_t> row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
@@ -51,15 +51,16 @@ constexpr std::pair<std::string_view, std::string_view> renamed_options[] = {
     {"--wanted", "--filter"},
 };
 
-/// Returns "; did you mean --neighbours?" if the command has a similar word, "; it is --filter now" if it had this
-/// option in an earlier version; else nothing.
+/// Returns "; it is --filter now" if the command had this option under another name in an earlier version, or "; did you
+/// mean --neighbours?" if it has an option or subcommand of a similar name; else an empty text.
 std::string suggestion(const std::string& argument, const CLI::App& command) {
     const std::string word = argument.substr(0, argument.find('='));
     for (const auto& [old_name, name] : renamed_options)
         if (word == old_name && command.get_option_no_throw(std::string(name.substr(0, name.find(' ')))))
             return "; it is " + std::string(name) + " now";
     std::string nearest;
-    // Accepts words at a distance below this: about a third of the letters, less for short words.
+    // `least` is the edit distance that a word must be below to be suggested: at first a third of the letters, or a
+    // third plus one for words of more than eight letters; then the distance of the best word so far.
     std::size_t least = word.size() / 3 + (word.size() > 8);
     for (const std::string& known : words_of(command)) {
         const bool begins = known.starts_with(word) && word.size() > 3;

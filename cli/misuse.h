@@ -6,8 +6,8 @@
 
 namespace crumple::cli {
 
-/// Returns CLI11's message about the command line that `app` could not parse, with the command, and either the word
-/// that was probably meant or where to find help.
+/// Returns a message about the command line that `app` could not parse: the name of the command, CLI11's message, and
+/// either the option or command that was probably meant, or how to get help.
 std::string explain(const CLI::ParseError& error, const CLI::App& app);
 
 }  // namespace crumple::cli

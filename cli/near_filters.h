@@ -1,6 +1,7 @@
 #pragma once
 
-// Options of crumple near besides a single radius: radii of vertices, adjacency along edges, a rest shape.
+// Options of crumple near besides a single radius: a radius for each vertex (--radii), a wider adjacency, counted in
+// edges (--rings), and a rest shape, whose near pairs are left out (--rest).
 
 #include <string>
 #include <vector>
@@ -15,17 +16,17 @@ struct NearFilterOptions {
     double rest_radius = 0;
     std::int32_t rings = 0;
 
-    /// Returns the files that are read; empty names for absent ones.
+    /// Returns the names of the two files that are read; a name is empty if its option is absent.
     std::vector<std::string> files() const;
 };
 /// Adds `--radii`, `--rest`, `--rest-radius` and `--rings`.
 void add_near_filter_options(CLI::App& app, NearFilterOptions& options);
 
-/// Contents of the files of these options, to which queries refer.
+/// Contents of the files that these options name. Queries refer to this object, which must outlive them.
 class NearFilters {
    public:
     /// Reads the files, which must match the input. The input is not changed. Throws Error that names the file and the
-    /// place, or the options.
+    /// place in it, or the options that conflict.
     NearFilters(const NearFilterOptions& options, Input& input, const QueryOptions& query_options);
 
     void apply(ProximityQuery& query) const;

@@ -12,7 +12,8 @@
 
 namespace crumple::cli {
 
-/// Returns cloth07.ply for cloth.ply, number 7 of 94: with as many digits as the last number needs.
+/// Returns the file name of frame `number` of `count`: cloth07.ply for cloth.ply and frame 7 of 94. All numbers have as
+/// many digits as the last one.
 inline std::string numbered(const std::string& path, std::size_t number, std::size_t count) {
     const std::filesystem::path file = io::without_gzip_name(path);
     const std::size_t digits = std::to_string(count > 0 ? count - 1 : 0).size();

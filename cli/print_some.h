@@ -8,7 +8,7 @@
 
 namespace crumple::cli {
 
-/// Prints a line "WHAT text(row)" for each of the first ten rows, and the number of further rows.
+/// Prints a line with `what` and text(row) for each of the first ten rows, then the number of further rows.
 template <class Row, class Text>
 void print_some(std::ostream& out, const char* what, const std::vector<Row>& rows, Text text) {
     constexpr std::size_t most = 10;

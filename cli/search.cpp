@@ -16,7 +16,8 @@
 namespace crumple::cli {
 namespace {
 
-/// Reads one group a line; skips blank lines and comments (#). Throws Error (file, format) that names the line.
+/// Reads a text file with one group (an integer) per line, for each triangle; skips blank lines and comments (#). Throws
+/// Error (file, format) that names the line.
 std::vector<std::int32_t> read_groups(const std::string& path) {
     const io::Source source(path);
     io::Scanner in(source, {.lines = true, .comments = true});
@@ -56,7 +57,8 @@ io::TriangleMesh read(const std::string& path, const io::ReadOptions& how) {
     return mesh;
 }
 
-/// Reads a mesh. If --groups is no property of the mesh, the error also says that there is no such file.
+/// Reads a mesh with its groups. If the value of --groups is not a property of the mesh, the error also says that there is
+/// no file of that name.
 io::TriangleMesh read_with_groups(const std::string& path, const io::ReadOptions& how) {
     try {
         return read(path, how);
@@ -139,7 +141,7 @@ Input made_input(const std::string& name, io::TriangleMesh mesh, const QueryOpti
 
 namespace {
 
-/// Throws Error (invalid_argument) that describes the first difference by `what`.
+/// Throws Error (invalid_argument) that says that the meshes of a step have different faces. `what`: the first difference.
 [[noreturn]] void refuse_other_faces(const std::string& start_name, const std::string& end_name,
                                      const std::string& what) {
     const bool stl = extension_of(start_name) == ".stl" || extension_of(end_name) == ".stl";
@@ -242,7 +244,7 @@ void index_by_triangle(Intersections& found, std::int64_t triangles, std::int64_
 
 namespace {
 
-/// Calls work(), and adds `name` to its errors.
+/// Returns work(). Adds `name` in front of the message of any Error that it throws.
 template <class Work>
 decltype(auto) named(const std::string& name, Work work) {
     try {
@@ -252,7 +254,7 @@ decltype(auto) named(const std::string& name, Work work) {
     }
 }
 
-/// View of a mesh whose lines and points, if it has any, count as edges and points.
+/// View of a mesh that includes its lines and points, if it has any, as codimensional edges and points.
 class CodimensionalView {
    public:
     explicit CodimensionalView(const io::TriangleMesh& mesh) : view_(mesh.view()) {
@@ -268,8 +270,8 @@ class CodimensionalView {
     MeshView view_;
 };
 
-/// Calls work(scene), and adds the name of the input to its errors. `end`: for one mesh, its vertices at the end of a
-/// step, or null.
+/// Returns work(scene) for the scene of an input, and adds the name of the input to the message of any Error. `end`: if not
+/// null, the first mesh moves to the vertices of `end`; the input must then have one mesh.
 template <class Work>
 decltype(auto) on_scene(const Input& input, const io::TriangleMesh* end, Work work) {
     return named(input.name, [&]() -> decltype(auto) {
@@ -324,7 +326,7 @@ template Statistics Search::stream(const Input&, const CandidateQuery&, Function
 
 namespace {
 
-/// Replaces members of queries in a message by the corresponding options.
+/// Replaces names of the C++ API in a message by the corresponding options of the command line.
 std::string in_words_of_options(std::string message) {
     constexpr std::pair<std::string_view, std::string_view> options[] = {
         {"open_edges lists", "info --open-edges lists"},
@@ -337,8 +339,8 @@ std::string in_words_of_options(std::string message) {
     return message;
 }
 
-/// Adds the files to a message. "body 7: ..." gets the name of that body, its file, and the number of its
-/// configuration.
+/// Returns the message with its origin. Replaces "body 7: " at its start by the file, the configuration and the name of
+/// that body; puts the names of all files in front of any other message.
 std::string with_origin(const std::string& message, const BodyOrigins& origins, std::int64_t first_configuration) {
     constexpr std::string_view title = "body ";
     const std::size_t count = origins.names.size();

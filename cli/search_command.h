@@ -27,33 +27,33 @@ void add_motion_options(CLI::App& app, MotionOptions& options);
 
 struct NearOptions {
     std::optional<double> radius;
-    bool below = false;  ///< a distance equal to the radius is too far
+    bool below = false;  ///< true: only distances less than the radius; false: also distances equal to it
 
     ProximityQuery query(const QueryOptions& query_options, Output output) const;
 };
 /// Adds `--below`.
 void add_below_option(CLI::App& app, NearOptions& options);
 
-/// Throws Error (invalid_argument) for options that apply to colliding triangles only. `option_of_features`: the option
-/// that they conflict with, such as "--impacts".
+/// Throws Error (invalid_argument) if an option is given that applies to colliding triangles only. `option_of_features`:
+/// the option with which it conflicts, such as "--impacts", for the message.
 void refuse_beside_features(const char* option_of_features, const QueryOptions& query_options);
 
-/// Returns the options with the cpu backend for `--backend auto`.
+/// Returns the options for a query about features: replaces Backend::automatic by the cpu backend.
 Options feature_options(Options options);
 
-/// Outputs of a result: lists and coloured meshes.
+/// Outputs of a command (the values of `-o`): lists and coloured meshes. `format`: value of `--format`.
 struct ListOutputs {
     std::vector<std::string> paths;
     std::string format;
 
-    /// Throws Error (invalid_argument) if an output is neither a list nor a coloured mesh. `what`: "impacts";
-    /// `coloured`: extensions of coloured meshes.
+    /// Throws Error (invalid_argument) if the extension of an output is neither that of a list nor one of `coloured`, the
+    /// extensions of coloured meshes. `what`: names the results in the message, such as "impacts".
     void check(const std::string& what, const std::vector<std::string>& coloured = {".glb"}) const;
     /// True if one of the outputs is a file.
     bool have_files() const;
 
-    /// Writes the outputs: list(to, format) and picture(to) write to a path or to a stream. Without outputs the list is
-    /// printed.
+    /// Writes all outputs. list(to, format) writes a list, picture(to) a coloured mesh; `to` is a path or a stream. Without
+    /// outputs, prints the list as text.
     template <class List, class Picture>
     void write(List list, Picture picture) const {
         const auto write_to = [&](const auto& path, auto&& to) {
@@ -69,10 +69,10 @@ struct ListOutputs {
         }
         if (paths.empty()) to_standard_output([&](std::ostream& out) { list(out, io::PairFormat::txt); });
     }
-    /// Throws Error (invalid_argument) unless the only output is a list, in a format that can be written during the
-    /// search.
+    /// Throws Error (invalid_argument) unless there is at most one output, and it is a .txt or .csv list, which can be
+    /// written during the search.
     void check_stream() const;
-    /// Writes the only list: stream(writer) adds the blocks.
+    /// Writes the only output, a list: calls stream(writer), which adds the blocks.
     template <class Stream>
     void write_blocks(io::ListKind of, Stream stream) const {
         const auto write_to = [&](io::FeatureWriter writer) {
@@ -84,20 +84,21 @@ struct ListOutputs {
             paths.empty() ? io::PairFormat::txt : io::pair_format_of(extension_of(paths.front(), format));
         to_standard_output([&](std::ostream& out) { write_to(io::FeatureWriter(out, of, list_format)); });
     }
-    /// Writes the outputs of a result that cannot be written as a coloured mesh.
+    /// Writes the outputs of a result for which there are no coloured meshes.
     template <class List>
     void write(List list) const {
         write(list, [](auto&) { throw std::logic_error("no mesh is coloured by this result"); });
     }
 };
-/// Adds `-o` and `--format`. `what`: "Impacts", `coloured`: "the start, coloured by time".
+/// Adds `-o` and `--format`. For their help, `what` names the results ("Impacts") and `coloured` the mesh that can be
+/// written ("the start, coloured by time").
 void add_output_options(CLI::App& app, ListOutputs& outputs, const std::string& what, const std::string& coloured);
 
-/// Words for what is listed.
+/// Words for messages about one kind of result.
 struct ListWords {
     const char* one;   ///< "impact"
     const char* some;  ///< line of --check: "something touches"
-    const char* none;  ///< "nothing touches"
+    const char* none;  ///< the same if nothing was found: "nothing touches"
 };
 inline constexpr ListWords words_of_pairs{"pair", "something collides", "nothing collides"},
     words_of_impacts{"impact", "something touches", "nothing touches"},
@@ -111,9 +112,10 @@ struct SearchCommand {
     Options options;
     bool check = false, stats = false, stream = false, progress = false;
 
-    /// Throws Error (invalid_argument) for options that do not go with `--stream`, if it is given.
+    /// Throws Error (invalid_argument) if `--stream` is given with an option that conflicts with it.
     void check_stream() const;
-    /// Writes a result during the search: find(take) delivers its blocks. Returns the status.
+    /// Writes a result during the search. find(take) runs the search, delivers each block to `take`, and returns the
+    /// statistics. Returns the exit status.
     template <class Block, class Find>
     int write_stream(io::ListKind of, const ListWords& words, Find find, std::int64_t triangles) const {
         Statistics statistics;
@@ -123,18 +125,19 @@ struct SearchCommand {
     }
     int finish_stream(const Statistics& statistics, const ListWords& words, std::int64_t triangles) const;
 
-    /// True if nothing but the status is requested.
+    /// True if only the exit status is requested (`--check` without outputs).
     bool only_status() const { return check && outputs.paths.empty(); }
-    /// Prints the line for the status, and returns the status.
+    /// Prints the line of `--check`, and returns the exit status.
     static int report(bool any, const ListWords& words);
-    /// Returns the status once the result is written. Without --stats, prints the summary if nothing was found or the
-    /// result was written to files.
+    /// Returns the exit status; call it after the result is written. Prints the summary, unless --stats is given, if
+    /// nothing was found or the result was written to files.
     int finish(bool any, const std::string& summary) const;
 };
-/// Adds `--check` with this help, `--stream`, `--stats`, `--progress`, and the options about reading, groups and cost.
+/// Adds `--check`, `--stream`, `--stats`, `--progress`, and the options about reading, groups and cost. `check`: help of
+/// `--check`.
 void add_search_command_options(CLI::App& app, SearchCommand& command, const std::string& check);
 
-/// Size of a result, for its summary.
+/// Size of a result in rows, and duration of its search, for the summary.
 struct Tally {
     std::int64_t count = 0;
     std::array<std::int64_t, feature_kinds> by_kind{};  ///< by FeatureKind
@@ -150,25 +153,27 @@ Tally tally_of(const Result& result) {
 
 /// Returns "27 vertex-face, 107 edge-edge".
 std::string kinds_of(const Tally& tally);
-/// Returns the same for the kinds that are listed.
+/// Returns the number of candidates of each kind that the result lists, in the same form.
 std::string kinds_of(const Candidates& candidates);
 
 /// Returns "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `kinds`:
-/// from kinds_of(); `more`: text that follows them.
+/// text in the parentheses, from kinds_of(); `more`: text after the parentheses.
 std::string summary_of(const Tally& tally, const std::string& kinds, const ListWords& words, std::int64_t triangles,
                        const std::string& more = {});
-/// Returns "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms".
+/// Returns "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms". `earliest`: true if only the first
+/// impact was searched for.
 std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, bool earliest, std::int64_t triangles);
 inline std::string summary_of_near(const Tally& tally, std::int64_t triangles) {
     return summary_of(tally, kinds_of(tally), words_of_near, triangles);
 }
 
-/// Returns only the first impact of the lists.
+/// Returns a result whose lists contain only the first impact.
 Impacts only_first(const Impacts& impacts);
-/// Remark of --stats if only the first impact is searched for.
+/// Remark in the table of --stats if only the first impact is searched for.
 inline constexpr const char* only_first_remark = "only the first was looked for";
 
-/// Returns a row as text lists contain it: "vf 8481 17305 0.25", "vf 8481 17305".
+/// Return a row in the form of .txt lists, without flags: "vf 8481 17305 0.25" for impacts and near pairs, "vf 8481 17305"
+/// for candidates.
 std::string text_of(const io::FeatureRow& row, bool has_bodies);
 std::string text_of(const io::CandidateRow& row, bool has_bodies);
 

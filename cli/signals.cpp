@@ -18,7 +18,7 @@ extern "C" void stop_first(int signal) {
     std::signal(signal, die);
 }
 
-/// Sets a handler, unless the process was started to ignore the signal, as by nohup.
+/// Sets a handler, unless the process was started with this signal ignored, as nohup does.
 void handle(int signal, void (*handler)(int)) {
     struct sigaction before {};
     sigaction(signal, nullptr, &before);
@@ -32,7 +32,7 @@ void handle(int signal, void (*handler)(int)) {
 
 void clean_up_when_killed() {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) handle(signal, die);
-    std::signal(SIGXFSZ, SIG_IGN);  // exceeding the limit on file sizes is reported as an error of the write instead
+    std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit on file sizes then fails with EFBIG instead
 }
 
 void stop_at_first_interrupt(volatile std::sig_atomic_t& stop) {

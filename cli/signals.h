@@ -6,7 +6,7 @@
 
 namespace crumple::cli {
 
-/// Makes the process remove its unfinished files when it is interrupted, terminated, or loses its terminal.
+/// Makes the process remove its unfinished files when SIGINT, SIGTERM, SIGHUP or SIGQUIT ends it.
 void clean_up_when_killed();
 
 /// Makes the first Ctrl-C set `stop`, and the second one end the process.

@@ -17,17 +17,18 @@ std::int64_t count_hits(const Intersections& collisions);
 std::string summary_of_pairs(std::int64_t pairs, std::int64_t hits, std::int64_t all, const char* what,
                              double milliseconds);
 
-/// Prints times, each with its percentage of the sum, and a row of the table below them.
+/// Prints a table of times, each with its percentage of the sum; name_of(i) returns the name of time i. print_row() prints
+/// a row of the table of counts below it.
 void print_times(std::string_view title, std::span<const double> milliseconds,
                  std::string_view (*name_of)(std::size_t));
 void print_row(std::string_view name, const std::string& value, const std::string& remark = {});
 
 /// Prints the table of --stats to standard error. `hits`: number of colliding triangles.
 void print_statistics(const Statistics& statistics, std::int64_t hits);
-/// Prints the table with this remark on the pairs.
+/// Prints the table of --stats to standard error, with `remark` beside the number of pairs.
 void print_statistics(const Statistics& statistics, const std::string& remark);
 
-/// Adds one call's counts and times to a sum; the peak memory is the larger one.
+/// Adds the counts and times of one call to a sum. The peak memory becomes the larger of the two.
 void add(Statistics& sum, const Statistics& more);
 
 }  // namespace crumple::cli

@@ -11,8 +11,8 @@ class App;
 
 namespace crumple::cli {
 
-/// Prints a line to standard error as each step begins, with the seconds that have passed: "    12.31 s  search".
-/// Prints lines instead of a bar, since mpirun forwards output that is not a terminal.
+/// Printer of a line to standard error when a step begins, with the seconds since the command began: "    12.31 s
+/// search". It prints lines, not a progress bar, because under mpirun the output is no terminal.
 class Steps {
    public:
     explicit Steps(bool shown) : shown_(shown) {}

@@ -16,11 +16,11 @@
 
 namespace crumple::cli {
 
-/// Calls write(out) and checks that everything is written. A closed pipe (`crumple ... | head`) is no error. Throws
-/// Error (file).
+/// Calls write(out) with standard output. Throws Error (file) if not everything could be written; a closed pipe
+/// (`crumple ... | head`) is no error.
 void to_standard_output(const std::function<void(std::ostream&)>& write);
 
-/// Suppresses all output to standard output and standard error, for ranks other than the one that prints.
+/// Suppresses all output to standard output and standard error. Used on MPI ranks other than rank 0.
 void be_silent(bool silent = true);
 
 /// Prints to standard error, like fmt::print. Ignores errors of the write.
@@ -45,7 +45,7 @@ void print_warning(std::string_view message);
 fmt::text_style on_terminal(int stream, fmt::text_style style);
 
 using io::grouped;
-/// Returns a size as text: 12.3 MiB.
+/// Returns a size in bytes as text with a binary unit: 12.3 MiB.
 std::string readable_bytes(std::int64_t bytes);
 
 /// Progress bar in the last line of a terminal; silent if standard error is not a terminal.

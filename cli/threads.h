@@ -1,7 +1,7 @@
 #pragma once
 
-// Sets the number of threads that oneTBB allows in the process. The library itself never raises it: that is left to its
-// users.
+// Sets the number of threads that oneTBB allows in the process (a global limit). The library never raises this limit; its
+// users, such as this command line, may.
 
 #include <cstddef>
 
@@ -11,7 +11,7 @@
 
 namespace crumple::cli {
 
-/// Allows this number of threads during its lifetime.
+/// Allows `count` threads as long as this object lives. No effect in builds without oneTBB.
 class AllowedThreads {
    public:
 #ifdef CRUMPLE_WITH_TBB

@@ -37,7 +37,8 @@ bool is_degenerate(const Triangle& triangle) {
         const int turn = orient2d_filtered(a, b, c, axis);
         if (turn == 1 || turn == -1) return false;
     }
-    // The contact of a triangle with itself is the triangle: an area, unless it is degenerate.
+    // Decides exactly: the contact of a triangle with itself is the triangle, so it is an area (three corners or more)
+    // unless the triangle is degenerate.
     return contact(triangle, triangle).count < 3;
 }
 
@@ -88,14 +89,15 @@ std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int
 
 namespace {
 
-/// Side of a triangle: the edge, and how the triangle runs along it.
+/// Side of a triangle: the edge, and the direction in which the triangle's corners run along it.
 struct Side {
-    Edge edge;  ///< a < b
-    bool upwards;
+    Edge edge;     ///< a < b
+    bool upwards;  ///< true if the triangle runs from a to b
     std::int32_t triangle;
 };
 
-/// Finds two triangles that run along an edge in the same direction; none if half of them run in each direction.
+/// Returns two triangles that run along an edge in the same direction, or nothing if as many triangles run along it in one
+/// direction as in the other. `sides`: all sides of triangles at this edge.
 std::optional<FlippedEdge> find_flipped(std::span<const Side> sides) {
     const auto up = std::count_if(sides.begin(), sides.end(), [](const Side& side) { return side.upwards; });
     if (2 * up == std::ssize(sides)) return std::nullopt;
@@ -152,7 +154,7 @@ double signed_volume(const io::TriangleMesh& mesh) {
         for (const Vec3d& corner : p) box.widen(corner);
     });
     const Vec3d middle = 0.5 * box.low + 0.5 * box.high, half = box.high - middle;
-    // Scales by a power of two: then products of three coordinates do not overflow unless the volume does.
+    // Scales coordinates by a power of two, so that products of three coordinates do not overflow unless the volume does.
     const int exponent = std::ilogb(max(max(half.x, half.y), max(half.z, 0x1p-1000)));
     const double scale = std::ldexp(1.0, -exponent);
     double volume = 0, lost = 0;  // Neumaier's compensated sum

@@ -43,7 +43,7 @@ grep -h 'Benchmarks:' "$build/build.log" || true
 python=$build/python/bin/python
 [[ -x $python ]] || python3 -m venv "$build/python" || true
 packages=(numpy ipctk meshlib libigl trueform coal)
-nvidia-smi >/dev/null 2>&1 && packages+=(warp-lang)  # the peer on CUDA
+nvidia-smi >/dev/null 2>&1 && packages+=(warp-lang)  # the only peer that runs on a CUDA device
 for package in "${packages[@]}"; do
     [[ -x $python ]] || break
     "$python" -m pip show --quiet "$package" >/dev/null 2>&1 ||

@@ -17,8 +17,9 @@ files=$(changed "$base")
 [[ -n $files || -n ${1-} ]] || files=$(changed HEAD~1)
 [[ -n $files ]] || { echo "Nothing has changed since $base"; exit 0; }
 
-# Maps the beginning of a path to folders of tests/ (or `python`, `player`). The first line that matches applies; files
-# of other tests map to their own folder.
+# Maps the beginning of a changed file's path to the folders of tests/ whose tests are run, to `python` (the package's tests)
+# or to `player` (the tests in cuda_on_cpu/). The first line that matches applies; lines without folders run no tests. Files
+# in tests/ that no line matches map to their own folder.
 table='
 src/base                        detector cpu
 src/geometry                    geometry intersections impacts proximities

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Checks the layers of src/ (ARCHITECTURE.md, Folders), the order of the Python package's modules, and the size of folders.
 
-A file may include files of its own layer and of layers before it; backends do not include each other. A module may
-import only modules before it, also within functions and for types. Folders contain at
-most 40 files. Prints each breach; the exit status is 1 if there are any.
+LAYERS lists the layers from bottom to top. A file may include files of its own layer and of lower ones; backends must not
+include each other. A Python module may import only modules that precede it in MODULES, even inside functions and for type
+annotations; UPWARDS has the exceptions. Folders contain at most 40 files. Prints each breach; exit status 1 if there are any.
 """
 
 import ast
@@ -19,8 +19,8 @@ TOPS = "include src cli scenes".split()
 MODULES = """__main__ _core _mpi _errors _versions _arrays _queries _rigid_motion _mesh _world_arrays _world _results _drawing _overlaps _intersections
     _features _feature_pairs _scene _pickle_checks _pickles _device _detector _files _ranks mpi __init__""".split()
 UPWARDS = {
-    ("_results", "_pickles"),  # in functions that pickle calls, when all results are defined and NumPy is loaded
-    ("_device", "_detector"),  # for types
+    ("_results", "_pickles"),  # imported inside functions that pickle and copy call, after all modules
+    ("_device", "_detector"),  # imported for type annotations only
 }
 SUFFIXES = {".h", ".cpp", ".cu"}
 
@@ -50,7 +50,7 @@ def breach_of_layers(file, included):
 
 
 def breaches_of_modules():
-    """Yields imports of python/crumple/*.py that are not of a module before."""
+    """Yields imports in python/crumple/*.py of modules that do not precede the importing module in MODULES."""
     package = root / "python" / "crumple"
     for path in sorted(package.glob("*.py")):
         if path.stem not in MODULES:

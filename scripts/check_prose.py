@@ -4,10 +4,11 @@
     scripts/check_prose.py               prints each failed check; exit status 1 if there is any
     scripts/check_prose.py --counts      prints the hits of each check that has some, as lines of REMAINING
     scripts/check_prose.py --hits NAME   prints where these hits are
-    scripts/check_prose.py --lower       lowers the numbers of REMAINING to these
+    scripts/check_prose.py --lower       lowers the numbers of REMAINING to the current numbers of hits
     scripts/check_prose.py --self-test   shows that every check can fail
 
-No check may have hits, except for as many as REMAINING says, which are still to be replaced. These numbers may only fall.
+A check fails if it has more hits than REMAINING allows (none, if it is not listed there). REMAINING counts names and words that are
+still to be replaced; its numbers may only fall.
 """
 
 import re
@@ -55,12 +56,12 @@ REMAINING = {
     "types with one name": 31,
 }
 
-# Words that no comment begins with, and the share of comments that may.
+# Words with which comments should not begin, and the share of all comments that may do so.
 BAD_HEADS = set("what of those who whether which that".split())
 BAD_HEADS_SHARE = 0.003
 
-# (what to write, parts of names not to write, words of comments and documentation not to write), as regular expressions. A name is
-# matched in lower case, its parts between underscores: `_make_room_` for makeRoom, make_room_ and MAKE_ROOM.
+# (term to write, forbidden parts of names, forbidden words of comments and documentation), the last two as regular expressions or
+# None. A name is matched in lower case, its parts between underscores: `_make_room_` for makeRoom, make_room_ and MAKE_ROOM.
 TERMS = [
     ("query, request", "questions?|asks?|asked", "questions?|asks?|asked|asking"),
     ("result, report, return", "answers?|answered|tells?|told|says?|said", "answers?|answered|answering|tells?|told"),
@@ -99,7 +100,7 @@ TERMS = [
     ("British spelling", None,
      r"(?:behavior|favor|honor|neighbor)\w*|gray|center(?:s|ed)?|(?:initial|normal|optim|recogn|serial)iz(?:e|es|ed|ing|ation)"),
 ]
-# Names that use a word of the table in another meaning, or that users know.
+# Names that may contain a word that TERMS forbids, since they use it in another meaning or are known to users.
 FINE = set("""EdgeMoment HWY_WANT_AVX3_DL Held expansion_rule held integer_turn plane_turn rational_contacts rational_tests take_result turn_at
     turn_between turn_error turn_sign turn_slack turn_to_coordinates turn_to_edges turns_back""".split())
 
@@ -109,7 +110,7 @@ HEADED = "include src cli python cuda_on_cpu benchmarks examples scripts".split(
 CPP = {".h", ".cpp", ".cu", ".cuh"}
 CHECKED_CPP = "include src cli scenes".split()  # folders whose files and types are checked
 
-# Comments, as group 1, and strings, which may contain what looks like comments.
+# Match comments, as group 1, and strings, because text inside a string may look like a comment.
 QUOTED = r'"(?:\\.|[^"\\\n])*"'
 CHARACTERS = r"'(?:\\.|[^'\\\n])*'"
 IN_CPP = re.compile(rf'(//[^\n]*|/\*.*?\*/)|R"(\w*)\(.*?\)\2"|{QUOTED}|(?<![0-9A-Fa-f]){CHARACTERS}', re.DOTALL)
@@ -118,7 +119,7 @@ IN_SHELL = re.compile(rf"((?<!\S)#[^\n]*)|{QUOTED}|{CHARACTERS}", re.DOTALL)
 CODE_IN_PAGES = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 MARKS = re.compile(r'^\s*(?://[/!]?<?|#!?|/?\*+/?|r?""")|"""$|\*/$', re.MULTILINE)
 
-# Definitions at namespace level, which this project does not indent.
+# Matches definitions of types at namespace level, which start in the first column in this project.
 TYPE = re.compile(r"^(?:template ?<[^;{]*>\s*)?(?:struct|class|enum class) (?:alignas\(\w+\) )?(?:CRUMPLE_API )?(\w+)(?: final)?"
                   r"(?:\s*:(?!:)[^;{]*)?\s*\{", re.MULTILINE)
 
@@ -138,12 +139,12 @@ class Tree:
         return path.relative_to(self.root).as_posix()
 
     def folder(self, path):
-        """Returns the folder of a file, alike for all backends."""
+        """Returns the folder of a file, with `*` for the name of the backend in folders of backends."""
         return re.sub("^src/backends/(?:reference|cpu|cuda)/", "src/backends/*/", f"{self.place(path.parent)}/")
 
     @cached_property
     def sources(self):
-        """Code without comments and strings, and comments as (line, text), by file."""
+        """Maps each file to (its code without comments and strings, its comments as a list of (line, text))."""
         sources = {}
         for path in self.files(COMMENTED, CPP | {".py", ".sh", ".txt"}):
             if path.suffix == ".txt" and path.name != "CMakeLists.txt":
@@ -169,7 +170,7 @@ class Tree:
 
     @cached_property
     def names(self):
-        """Names in code and of files, with a file that has them, by their parts."""
+        """Maps each name in code or of a file, written in the form that TERMS matches, to one place that has it."""
         names = defaultdict(set)
         for file, (code, _) in self.sources.items():
             if file.startswith(tuple(f"{folder}/" for folder in NAMED)):
@@ -193,7 +194,7 @@ def joined(lines):
 
 
 def check_heads(tree):
-    """Yields comments that begin with a bad word, without the few that may."""
+    """Yields the name of this check and the comments that begin with a word of BAD_HEADS, if BAD_HEADS_SHARE is exceeded."""
     comments = [(f"{file}:{line}", text) for file, (_, comments) in tree.sources.items()
                 if file.split("/")[0] in HEADED for line, text in comments]
     bad = [f"{place}: {text.splitlines()[0]}" for place, text in comments
@@ -219,7 +220,10 @@ def check_terms(tree):
 
 
 def check_files(tree):
-    """Yields base names in two folders. A public header and its source, and one step of two backends, may share a name."""
+    """Yields the name of this check and the base names that files of several folders share.
+
+    A public header and its source may share a name, and so may files for the same step in several backends.
+    """
     folders = defaultdict(set)
     for path in tree.files(CHECKED_CPP, CPP):
         folders[path.stem].add(tree.folder(path))
@@ -230,7 +234,10 @@ def check_files(tree):
 
 
 def check_types(tree):
-    """Yields types with one name in two folders. One step of two backends may share them."""
+    """Yields the name of this check and the names of types that are defined in several folders.
+
+    Types for the same step in several backends may share a name.
+    """
     folders = defaultdict(set)
     for path in tree.files(CHECKED_CPP, CPP):
         for name in TYPE.findall(path.read_text()):
@@ -239,7 +246,7 @@ def check_types(tree):
 
 
 def check_spelling(tree):
-    """Yields misspelt words of comments and documentation; .codespellrc lists words that are right."""
+    """Yields the name of this check and misspelt words of comments and documentation, by codespell and .codespellrc."""
     if not shutil.which("codespell"):
         sys.exit("check_prose.py: codespell is missing; scripts/install_dependencies.sh --tests installs it")
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
@@ -258,12 +265,12 @@ def hits_in(tree):
 
 
 def table(counts):
-    """Returns the lines of REMAINING."""
+    """Returns counts as the lines of REMAINING's definition."""
     return "".join(f'    "{name}": {count},\n' for name, count in counts.items())
 
 
 def self_test():
-    """Returns the checks that find nothing in lines that each of them must refuse."""
+    """Runs the checks on small files with known mistakes. Returns the hits of checks whose number of hits is not as expected."""
     with tempfile.TemporaryDirectory() as folder:
         for file, text in {
             "src/scene/leaves.h": "// Of one that has not.\nstruct Leaf {\n    bool make_room();\n};\n",

@@ -36,7 +36,7 @@ declare -A painted=()
 for file in "${files[@]}"; do
     name=$(basename "${file%.*}")
     picture=$top/demo/$name-collisions
-    for ((n = 2; ${painted[$picture]:-0}; n++)); do picture=$top/demo/$name-$n-collisions; done  # for files with equal names
+    for ((n = 2; ${painted[$picture]:-0}; n++)); do picture=$top/demo/$name-$n-collisions; done  # if names are equal
     painted[$picture]=1
     printf '\n%s\n\n' "$file"
     "$crumple" detect "$file" --stats -o "$picture.glb" -o "$picture.ply" -o "$picture.txt"

@@ -21,8 +21,9 @@ cmake --build --preset fuzz -j "$(nproc)" --target "${names[@]/#/fuzz_}" >build-
 rm -rf build-fuzz/seeds
 python3 tests/fuzz/make_seeds.py build-fuzz/seeds
 
-# AddressSanitizer's stacks and quarantine take a third of the time unless they are short. AddressSanitizer, not
-# libFuzzer, reports memory errors, because the target adds to its report.
+# Limits AddressSanitizer's quarantine to 16 MiB and its stacks to four frames; the defaults would take a third of the time.
+# The options -handle_...=0 below let AddressSanitizer, not libFuzzer, report memory errors, because a target adds the current
+# input to AddressSanitizer's report.
 export ASAN_OPTIONS=quarantine_size_mb=16:malloc_context_size=4
 
 # Runs the target $1 with the remaining arguments as options.
@@ -31,8 +32,9 @@ run() {
     shift
     case $name in
         readers) options=(-max_len=4096 -dict=tests/fuzz/readers.dict -entropic=0) ;;
-        # Detectors that live across inputs look like leaks; leaks at the end are still reported. Small scenes are
-        # mutated more often than large ones, which gives three times as many inputs in the same time.
+        # -detect_leaks=0 turns off the check after each input, which would report detectors that live across inputs as leaks;
+        # leaks at the end are still reported. -entropic... mutates inputs that run fast, that is small scenes, more often than
+        # slow ones, which gives three times as many inputs in the same time.
         *) options=(-max_len=512 -detect_leaks=0 -entropic=1 -entropic_scale_per_exec_time=1) ;;
     esac
     mkdir -p "build-fuzz/corpus/$name" "$artefacts"

@@ -5,13 +5,13 @@
 #   scripts/gpu_check.sh --all              these and all others, within 300 seconds
 #     --out FOLDER       folder for results; default: $OUT, else benchmarks/results
 #     --seconds N        another limit
-#     --programs FOLDER  uses these programs, not those of the pack: programs for an emulated device, to try this script
+#     --programs FOLDER  uses programs in FOLDER, not those of the pack: for example for an emulated device, to try this script
 #
 # The tables below list the steps in order. If a step fails, the others still run. If something is missing, the step is
 # left out, with a line about it. FOLDER gets check.json and check.log, which grow step by step, so that an aborted run
-# leaves its results; cuda_first.json, cuda.json (figures), cuda_rival.json, cuda_peers.json; kernels.txt (time,
-# registers and occupancy of each kernel of a frame, and gaps), ncu.txt and ncu.ncu-rep. Exit status 1 if a step failed
-# or ran out of time.
+# leaves its results; cuda_first.json and cuda.json (figures of crumple), cuda_rival.json (of cuBQL), cuda_peers.json (of
+# NVIDIA Warp); kernels.txt (time, registers and occupancy of each kernel of a frame, and the frame's time between kernels),
+# ncu.txt and ncu.ncu-rep (reports of Nsight Compute). Exit status 1 if a step failed or ran out of time.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=scripts/gpu_common.sh
@@ -84,20 +84,20 @@ write_report() {  # RESULT
     } >"$work/check.$BASHPID"  # steps may run in parallel
     mv -f "$work/check.$BASHPID" "$out/check.json"
 }
-# Prints a line, and adds it to check.json.
+# Prints the result of a step as a line, and adds it to check.json.
 note() {  # NAME RESULT SECONDS REMARK
     printf '%-22s %-12s %4d s  %s\n' "$1" "$2" "$3" "$4"
     printf '{"step": "%s", "result": "%s", "seconds": %d, "at": %d, "remark": "%s"}\n' "$1" "$2" "$3" "$SECONDS" "$4" \
         >>"$work/steps"
     write_report "so far"
 }
-# Prints the step's last remark or, if it failed without one, its last line about an error.
+# Prints the last remark in a step's log or, if the step failed without a remark, the log's last line about an error.
 remark_of() {  # LOG RESULT
     { sed -n 's/^remark: //p' "$1" | tail -n 1 | grep . ||
         { [[ $2 == ok ]] || grep -aE 'rror|FAILED|[0-9] failed' "$1" || tail -n 1 "$1"; } | tail -n 1; } |
         tr -dc '[:alnum:] .,:;_/()+%-' | tr -s ' ' | cut -c1-300
 }
-# Runs a command within its own time limit and that of the whole check.
+# Runs the command of a step, for at most SECONDS and at most the time that is left to the whole check. Records its result.
 step() {  # NAME SECONDS COMMAND
     local name=$1 begin=$SECONDS status=0 result=failed
     local -x budget=$2 log=$work/logs/$1
@@ -105,7 +105,7 @@ step() {  # NAME SECONDS COMMAND
     if ((budget < 3)); then note "$name" "no time" 0 ""; return; fi
     timeout -k 5 "$budget" bash -euo pipefail -c ". \"\$top/scripts/gpu_steps.sh\"; $3" >"$log" 2>&1 </dev/null || status=$?
     { printf '\n===== %s\n' "$name"; tail -n 400 "$log"; } >>"$out/check.log"
-    # Some machines do not permit programs to read the device's counters.
+    # Leaves out a step if the machine does not permit programs to read the device's performance counters.
     if ((status)) && grep -qaE 'ERR_NVGPUCTRPERM|LibraryNotLoaded|Device not supported' "$log"; then status=$left_out; fi
     case $status in
         0) result=ok ;;
@@ -114,7 +114,7 @@ step() {  # NAME SECONDS COMMAND
     esac
     note "$name" "$result" $((SECONDS - begin)) "$(remark_of "$log" "$result" || true)"
 }
-run_steps() {  # reads a table
+run_steps() {  # reads a table of steps from standard input
     local name seconds command
     while read -r name seconds command; do
         if [[ $name == '&' ]]; then
@@ -142,13 +142,13 @@ if [[ -f $pack ]]; then
     packed=$top/build-device/pack data=$top/build-device/pack/data
     step unpack 60 unpack
     ! has_failed || finish
-    [[ $version != unknown ]] || version=$(cat "$packed/commit")  # a copy without Git history
+    [[ $version != unknown ]] || version=$(cat "$packed/commit")  # unknown in a copy without Git history
 elif [[ ! $bin ]]; then
     note unpack failed 0 "no build-gpu/pack.tar.xz: --pack makes it"
     finish
 fi
 [[ -f $data/scalable-ccd/cloth-ball/frames/cloth_ball92.ply ]] || scene=cloth:100000 scenes=$scene
-# An emulated device is slow.
+# Measures a small scene and makes few calls if --programs is given, because an emulated device is slow.
 if [[ $bin ]]; then
     scene=cloth:300@40 scenes=$scene frames='--frames 2' most_calls=8
     small="--scene $scene --largest 0 --worlds 3 --step cloth:300"

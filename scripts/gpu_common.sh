@@ -6,7 +6,8 @@ programs=(tests/device/{device_test,device_features_test,device_truth_test,devic
     tests/device/{device_portable_test,write_hard_soups} benchmarks/crumple_cuda_benchmark cli/crumple)
 rival=benchmarks/crumple_cubql_benchmark
 
-# Prints files of $CRUMPLE_DATA: scenes of the benchmark, independent results, and small scenes to compare backends on.
+# Prints the files of $CRUMPLE_DATA that the pack contains: scenes of the benchmark, exact results of other programs for these
+# scenes (gt/), and small scenes on which the outputs of the cpu and cuda backends are compared.
 list_real_files() {
     printf '%s\n' scalable-ccd/cloth-ball/frames/cloth_ball{92,93}.ply scalable-ccd/cloth-funnel/frames/{227,228}.ply \
         scalable-ccd/n-body-simulation/frames/balls16_{18,19}.ply gt/{cloth_ball92,cloth_funnel227,balls16_18}.txt \
@@ -20,7 +21,8 @@ commit_of() {
     [[ -z $(git -C "$1" status --porcelain --untracked-files=no) ]] || echo "with changes"
 }
 
-# Prints a hash of all sources of the programs and the Python package: a pack made of other sources is refused.
+# Prints a hash of all sources of the programs and the Python package in folder $1. gpu_check.sh refuses a pack that was made
+# from sources with another hash.
 sources_of() {
     (cd "$1" && find CMakeLists.txt benchmarks cli cmake include python/crumple python/src scenes src tests -type f \
         \( -name '*.cpp' -o -name '*.cu' -o -name '*.cuh' -o -name '*.h' -o -name '*.cmake' -o -name CMakeLists.txt \

@@ -14,7 +14,7 @@ top=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=scripts/gpu_common.sh
 . "$top/scripts/gpu_common.sh"
 export PATH=$PATH:/usr/local/cuda/bin
-build=$top/build-gpu-programs  # separate from the pack's folder, which is copied as a whole
+build=$top/build-gpu-programs  # not within the pack's folder, which is copied to the other machine as a whole
 python=${CRUMPLE_GPU_PYTHON:-python3.12} cubql=${CUBQL-} warp=''
 cubql_commit=3a6e0b18a6ed733012c183e333f6b7a1c6e9277f
 
@@ -31,11 +31,11 @@ done
 command -v nvcc >/dev/null || { echo "$0: nvcc is not on the path" >&2; exit 1; }
 without() { echo "Without $1: $2" >&2; }
 
-# Sets cubql to a folder with cuBQL's headers, or to an empty string.
+# Sets cubql to a folder with cuBQL's headers, or to an empty string if there are none.
 find_cubql() {
     local source=${cubql:-https://github.com/NVIDIA/cuBQL} commit=HEAD
     [[ $cubql ]] || commit=$cubql_commit
-    if [[ ! -f $cubql/cuBQL/bvh.h ]]; then  # a repository
+    if [[ ! -f $cubql/cuBQL/bvh.h ]]; then  # not a checkout, so a repository to clone
         cubql=$build/cuBQL
         rm -rf "$cubql"
         { timeout 60 git clone --quiet --no-checkout "$source" "$cubql" &&
@@ -49,8 +49,9 @@ find_cubql() {
     fi
 }
 
-# Builds the wheel, by pip, and the programs in one build folder, so that the library is compiled only once. Both are
-# linked with shared libraries, which the pack puts into lib/: static libraries are not position independent everywhere.
+# Builds the wheel, by pip, and the programs in one build folder, so that the library is compiled only once. Links both with
+# shared libraries, which the pack contains in lib/, since some systems have no position-independent static libraries, which
+# the wheel's module would need.
 build_programs() {
     local settings=("CMAKE_CUDA_ARCHITECTURES=${CUDAARCHS:-90}" CMAKE_CUDA_FLAGS=-lineinfo CRUMPLE_CUDA=ON
         CRUMPLE_DEVICE_TESTS=ON CRUMPLE_BENCHMARKS=ON "CRUMPLE_CUBQL=$cubql" CMAKE_BUILD_WITH_INSTALL_RPATH=ON
@@ -72,7 +73,8 @@ build_programs() {
     ninja -C "$build" "${programs[@]}"
 }
 
-# Fills $tree with the pack's content. Stores the wheel without compression, because it shares code with the programs.
+# Fills $tree with the pack's content. Stores the wheel without compression, so that the compression of the pack can make use
+# of the code that the wheel and the programs have in common.
 fill_tree() {
     local file
     mkdir -p "$tree/bin" "$tree/lib"
@@ -85,7 +87,8 @@ with zipfile.ZipFile(sys.argv[1]) as source, zipfile.ZipFile(sys.argv[2], "w", z
         target.writestr(entry.filename, source.read(entry))
 END
     done
-    # All shared libraries except those of C, C++ and Linux; oneTBB loads its allocator at run time.
+    # Copies all shared libraries except those of C, C++ and Linux. ldd does not list oneTBB's allocator, since oneTBB loads it
+    # at run time.
     { ldd "$tree"/bin/* "$build"/python/_core*.so 2>/dev/null || true; } | sed -n 's/.*=> \(\/[^ ]*\).*/\1/p' | sort -u |
         grep -Ev '/(libc|libm|libdl|libpthread|librt|libgcc_s|libstdc\+\+)\.so' | while read -r file; do
         cp -L "$file" "$tree/lib"
@@ -106,7 +109,7 @@ mkdir -p "$build" "${pack%/*}"
 find_cubql
 build_programs
 fill_tree
-# Programs share most of their code, so the dictionary is as large as all of them together.
+# The programs have most of their code in common. xz stores it once if its dictionary is as large as all programs together.
 tar -C "$tree" --sort=name -c . | xz -T1 --lzma2=preset=9e,dict=256MiB >"$pack.part"
 mv "$pack.part" "$pack"
 if [[ $warp ]]; then

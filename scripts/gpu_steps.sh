@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154
-# Steps of gpu_check.sh. The shell of each step sources this file and inherits variables: $bin has the programs, $data
-# the files of $CRUMPLE_DATA, $work files passed between steps, $out results; $log is the step's output, $budget its
-# seconds.
+# Steps of gpu_check.sh. The shell of each step sources this file and inherits variables. Folders: $bin with the programs, $data
+# with the files of $CRUMPLE_DATA, $work with files passed between steps, $out for results. $log is the file of the step's
+# output, $budget its time limit in seconds.
 # shellcheck source=scripts/gpu_common.sh
 . "$top/scripts/gpu_common.sh"
 
@@ -35,7 +35,8 @@ END
         "$(for name in nvcc ncu compute-sanitizer; do echo -n "$name $(version_of "$name" --version), "; done)$packages"
     ! grep -q '^none' "$work/devices"
 }
-# Constructs the backend by its name. It then compares its results with known ones, and throws if they differ.
+# Runs a search on the cuda backend. The backend's constructor compares decisions of the device with those of the host, and
+# throws if they differ. crumple then fails: it does not use the cpu backend instead, because --backend names cuda.
 find_known_answers() {
     local begin
     "$bin/write_hard_soups" "$work/soups"
@@ -45,7 +46,7 @@ find_known_answers() {
 }
 
 # Runs a program's tests in several processes. Then repeats up to ten that did not pass, one process each, because a
-# device error persists in its process and fails all later tests. Runs the first test that fails alone under memcheck.
+# device error persists in its process and fails all later tests. Runs the first one that fails again also under memcheck.
 run_tests() {  # PROGRAM PROCESSES
     local program=$bin/$1 shard again count test alone=0 first='' memory=''
     [[ -x $program ]] || leave_out "no $1 in $bin"
@@ -91,7 +92,7 @@ list_real_calls() {
     echo "impacts scalable-ccd/cloth-ball/frames/cloth_ball92.ply scalable-ccd/cloth-ball/frames/cloth_ball93.ply"
     echo "near scalable-ccd/cloth-funnel/frames/227.ply --radius 0.01"
 }
-# Compares the output of cpu and cuda for each call that it reads.
+# Reads calls of the command line, and compares the output files of the cpu and the cuda backend for each.
 compare_bytes() {
     export -f compare_call
     cd "$(readlink -e "$data" || echo "$work")" || exit
@@ -134,8 +135,8 @@ run_rival() {
     remark "$(sed -E 's/.*"scene": "([^"]*)".*"median": ([0-9.]*).*/\1 \2 ms/' "$log.rows" | paste -sd';'), boxes only"
 }
 
-# Profiles the last of eight frames. Caches keep the state that earlier kernels left, as in a frame; clocks are not
-# locked.
+# Profiles the kernels of the last of eight frames. ncu does not clear caches before a kernel, so that they contain what earlier
+# kernels of the frame left there, and does not lock clocks.
 profile() {  # OPTIONS of ncu
     need ncu
     ncu --print-kernel-base function --profile-from-start off --cache-control none --clock-control none "$@" \
@@ -166,7 +167,7 @@ run_python_tests() {
     remark "$(tail -n 1 "$log")"
     grep -q ' passed' "$log"
 }
-# Races against NVIDIA Warp, boxes only, if it is installed or its wheel is next to the pack.
+# Compares the speed of finding overlapping boxes with NVIDIA Warp, if Warp is installed or its wheel is next to the pack.
 race_warp() {
     local wheel=("$top"/build-gpu/warp_lang-*.whl)
     [[ ! -f ${wheel[0]} ]] || python3 -m zipfile -e "${wheel[0]}" "$work/warp"
@@ -179,7 +180,7 @@ race_warp() {
 sanitize() {  # TOOL
     need compute-sanitizer
     local tests long=':*long_rows_are_sorted'
-    [[ $1 != racecheck ]] || long=''  # it takes two minutes
+    [[ $1 != racecheck ]] || long=''  # racecheck takes two minutes for this test
     for tests in device_test:"*hard_soups_in_device_memory*:*Launch.two_meshes_*:*find_ends_launches*$long" \
         device_features_test:'*radii_and_rest_shape*:*strided_and_unaligned*'; do
         compute-sanitizer --tool "$1" --error-exitcode 9 "$bin/${tests%%:*}" --gtest_brief=1 --gtest_filter="${tests#*:}"

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Prints a frame's kernels in order, from `ncu --csv --metrics ...`: microseconds, registers, launch shape, occupancy
-and bytes of each, and their total time; with the benchmark's figures also the rest of the frame's time: gaps between
-kernels, memsets and copies. Usage: kernels_of_a_frame.py CSV [--scene NAME --figures cuda.json]"""
+"""Prints the kernels of a frame in the order of their launches, from the output of `ncu --csv --metrics ...`: time in
+microseconds, registers, launch shape, occupancy and bytes of each, and their total time. With the benchmark's figures it
+also prints by how much the frame takes longer than its kernels: the time of memsets, copies and gaps between kernels.
+Usage: kernels_of_a_frame.py CSV [--scene NAME --figures cuda.json]"""
 
 import argparse
 import csv
@@ -33,7 +34,8 @@ def read(path):
 
 
 def gaps(path, scene, kernels, count):
-    """Yields lines about the time of the graph beyond its kernels, from the benchmark's frame of the same scene."""
+    """Yields lines about the difference between the time of a frame (one CUDA graph), which the benchmark measured for the
+    scene, and the time of its kernels: `kernels` microseconds in total, of `count` kernels."""
     with open(path, encoding="utf-8") as file:
         figures = json.load(file)
     for figure in figures["scenes"]:

@@ -2,8 +2,8 @@
 
     python3 scripts/python_reference.py FOLDER
 
-Classes of the extension modules are made from the docstrings in python/src, where they are bound. Lists public modules, classes, functions and
-properties without a docstring; exit status 1 if there are any. Warnings of pdoc are errors.
+Substitutes for the classes of the extension modules are made from their bindings and docstrings in python/src. Lists public modules, classes,
+functions and properties without a docstring; exit status 1 if there are any. Warnings of pdoc are errors.
 """
 
 import ast
@@ -20,7 +20,8 @@ from pathlib import Path
 import pdoc
 
 PACKAGES = ["crumple", "crumple.mpi", "crumple.adapters"]  # without private modules
-# Modules whose entities need docstrings. That for ipctk overrides methods that ipctk documents.
+# Modules whose public entities need docstrings. The methods of crumple.adapters.ipctk need none, since ipctk documents the
+# methods that they override.
 MODULES = [*PACKAGES, "crumple.adapters.newton"]
 LITERALS = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
 
@@ -28,7 +29,7 @@ root = Path(__file__).resolve().parent.parent
 
 
 class StandIn(types.ModuleType):
-    """Substitute for a module that cannot be imported. Any name in it is an empty class, unless it is given."""
+    """Substitute for a module that cannot be imported. It has the given attributes; any other name in it is an empty class."""
 
     def __init__(self, name, **given):
         super().__init__(name)
@@ -97,7 +98,7 @@ def main(folder):
 
     import crumple
 
-    # Classes that are only returned are public, too.
+    # Documents classes that are not exported, because users only receive their objects, as well.
     crumple.__all__ += sorted(name for name, value in vars(crumple).items() if isinstance(value, type)
                               and name[0] != "_" and name not in crumple.__all__)
     for kind in {value for module in MODULES for value in vars(import_module(module)).values() if isinstance(value, type)}:

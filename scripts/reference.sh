@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Writes the API reference to build-reference/index.html: C++ by Doxygen, Python by pdoc. Builds nothing of the library.
-#   scripts/reference.sh [cpp | python]     both without an argument
-# Fails at a warning, and lists public entities without a comment. Data members, types within classes, friends, operators and moves
-# need none; all warnings of Doxygen are in build-reference/doxygen.log.
+#   scripts/reference.sh [cpp | python]     one of the two; without an argument both
+# Prints warnings, including those about public entities without a comment, and fails if there are any. Data members, type
+# aliases within classes, friends, operators and move constructors need no comment. build-reference/doxygen.log has all
+# warnings of Doxygen.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 case ${1-} in

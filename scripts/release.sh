@@ -2,7 +2,7 @@
 # Makes a release of the checkout, in dist/: an sdist, wheels and a Debian package. Installs and runs each in an empty
 # environment (docs/releasing.md). On Debian 12; takes some ten minutes on two cores.
 #   scripts/release.sh [--python PATH]... [--cuda] [--no-deb] [--no-roots]
-# --python   an interpreter to build for: 3.10, 3.11, and one from 3.12 on, whose wheel is tried in further ones.
+# --python   an interpreter to build a wheel for. The wheel of the first one from 3.12 on is also tested in later ones.
 #            By default python3.10, python3.11 and python3.12, if they are on the path.
 # --cuda     also wheels with the cuda backend; needs nvcc
 # --no-deb   no Debian package

@@ -3,7 +3,7 @@
 # findings in docs/benchmarks.md are written by hand: that page names the commit of its figures.
 #   scripts/report.sh [--check]         --check: changes nothing, fails if something would change
 #                                       Both fail if docs/benchmarks.md names another commit than that of the figures.
-#   scripts/report.sh --pictures        draws the rendered pictures only, by crumple_benchmark of scripts/bench.sh
+#   scripts/report.sh --pictures        draws only the rendered pictures, with the crumple_benchmark that scripts/bench.sh builds
 # Installs pinned packages from PyPI into build-report/.
 set -euo pipefail
 cd "$(dirname "$0")/.."

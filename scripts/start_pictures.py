@@ -4,8 +4,8 @@
 
     scripts/start_pictures.py
 
-Needs the Python package with PyVista, pip install ".[pictures]". Programs that write .html write .glb here.
-The bytes of a rendering depend on the machine, so pictures are committed and not compared.
+Needs the Python package with PyVista, pip install ".[pictures]". Where the programs write .html, this script lets them write
+.glb, which PyVista can render. The bytes of a rendering depend on the machine, so no test compares the committed pictures.
 """
 
 import sys
@@ -22,7 +22,7 @@ sys.path.insert(0, str(TOP / "python" / "tests"))
 import pages  # noqa: E402
 
 IMAGES = TOP / "docs" / "images" / "start"
-# By page: direction of view, and zoom.
+# Maps each page to the direction from the scene to the camera, and the zoom.
 VIEWS = {
     "start_cloth": ((1, 0.6, 0.9), 1.3),
     "start_printing": ((0.2, -1, 0.4), 1.45),
@@ -44,7 +44,7 @@ def draw(scene, picture, eye, zoom):
 
 
 def ring(turn, centre):
-    """Returns a torus whose plane is rotated about the x axis."""
+    """Returns vertices and triangles of a torus around `centre`, rotated by `turn` radians about the x axis."""
     around, across, radius, thickness = 96, 40, 1.0, 0.35
     u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
     a, b = 2 * np.pi * u.ravel() / around, 2 * np.pi * v.ravel() / across

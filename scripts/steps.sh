@@ -4,7 +4,7 @@
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-# Matches how compilers, GoogleTest, ctest, pytest, sanitizers and scripts begin the report of a failure.
+# Matches the first line of a failure report of compilers, GoogleTest, ctest, pytest, sanitizers and scripts.
 failure='(^|[^[:alnum:]_])([Ee]rror|ERROR):|(^|[^[:alnum:]])FAILED|: Failure|Traceback|Sanitizer:|\*\*\*(Failed|Timeout|Exception)|^E  '
 
 step() {
@@ -12,7 +12,7 @@ step() {
     shift
     printf '== %s (after %d s)\n' "$name" "$began"
     set +e
-    (set -e; "$@") >"$log" 2>&1  # a command of its own, because bash ignores set -e in conditions and before ||
+    (set -e; "$@") >"$log" 2>&1  # not in a condition or before ||, where bash ignores set -e
     status=$?
     set -e
     if ((status == 0)); then

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Runs tests that take an hour and more, which .ci/run leaves out: all other tests with more random cases, the kernels'
-# PTX for each generation of devices, clang-tidy's path analyzer, then fuzz targets. Prints a table of figures for
-# docs/fuzzing.md.
-#   scripts/test_long.sh [READS [SEARCHES [WORLDS [OVERLAPS]]]]   inputs of each fuzz target; by default 10, 1, 1 and 1 million
+# Runs tests that together take an hour or more, which .ci/run leaves out: the usual tests with more random cases, the
+# kernels' PTX for each generation of devices, clang-tidy's path analyzer, and four fuzz targets. Prints a table of figures
+# for docs/fuzzing.md.
+#   scripts/test_long.sh [READS [SEARCHES [WORLDS [OVERLAPS]]]]
+# The arguments are the numbers of inputs of the fuzz targets: by default 10 million for READS, 1 million for each other one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 reads=${1:-10000000}
@@ -22,23 +23,23 @@ row() {
         "$(sed -E 's/.*corp: ([^ ]+).*/\1/' <<<"$done")" "$(stat peak_rss_mb)"
 }
 
-# More random cases, and the tests that the usual run leaves out.
+# Runs the usual tests with five times as many random cases, and tests that run only if CRUMPLE_ROUNDS is set.
 CRUMPLE_ROUNDS=5 scripts/test.sh
 ctest --preset release -C nvcc -L nvcc -j "$(nproc)"
 
-# A million small overlaps against rational arithmetic; docs/overlap.md shows the output.
+# Compares the overlaps of a million pairs of small bodies with rational arithmetic; docs/overlap.md shows the output.
 CRUMPLE_ROUNDS=1000 build/tests/overlaps/overlaps_test --gtest_brief=1 --gtest_filter='OverlapSmallCases.*'
 
-# Tests of the emulated CUDA device, which .ci/run runs only after changes.
+# Tests the emulated CUDA device itself, which .ci/run tests only if its files have changed.
 cuda_on_cpu/test.sh
 
-# The usual tests compile only the device's part of the cuda backend by nvcc.
+# Compiles the whole cuda backend by nvcc. The tests above compile only its device code by nvcc.
 if command -v nvcc >/dev/null; then
     cmake --preset cuda -DCMAKE_CUDA_ARCHITECTURES=90 >/dev/null
     cmake --build --preset cuda
 fi
 
-# nvcc generates different code for each generation of devices.
+# Interprets the PTX of the kernels that decide pairs for each generation of devices, since nvcc generates different PTX for each.
 if [[ -x build/tests/ptx/ptx_kernels_test ]]; then
     for architecture in 75 80 90 100 110 120; do
         files=()
@@ -51,7 +52,8 @@ if [[ -x build/tests/ptx/ptx_kernels_test ]]; then
     done
 fi
 
-# The analyzer follows paths only through the file that it is given, so every file is analyzed separately.
+# The analyzer examines only functions that the given source file itself defines, not those of sources that a unity file
+# includes, so unity builds are off.
 scripts/install_dependencies.sh --tests --mpi --ci
 cmake --preset tidy -DCRUMPLE_MPI=ON -DCRUMPLE_UNITY=OFF >/dev/null
 run-clang-tidy -quiet -p build-tidy -checks='-*,clang-analyzer-*'

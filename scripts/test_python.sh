@@ -4,10 +4,11 @@
 #   scripts/test_python.sh [--all | --sanitize | --cuda | --mpi | --quick] [pytest's options]
 # --all also installs the packages that crumple works with (PyVista, Open3D, JAX, Warp, IPC Toolkit, ...: about 3 GB),
 # whose tests are otherwise skipped; PyTorch is tested if it is installed. --sanitize builds with AddressSanitizer and
-# runs the tests of arrays, their lifetimes and threads. --cuda and --mpi build only the modules, with the cuda backend
-# on an emulated device (cuda_on_cpu/README.md) and, if MPI is installed, that of crumple.mpi; --cuda runs the tests of
-# arrays on a device, --mpi those of ranks. --quick builds only the module, and leaves out tests that need the installed
-# package. PYTHON names the interpreter.
+# runs the tests of arrays, their lifetimes and threads. --cuda and --mpi do not install the package but build its extension
+# modules: one with the cuda backend on an emulated device (cuda_on_cpu/README.md) and, if MPI is installed, that of
+# crumple.mpi. --cuda runs the tests of arrays on a device, --mpi those of ranks. --quick builds the extension module
+# without installing the package, and leaves out tests that need the installed package. The environment variable PYTHON names
+# the interpreter (default: python3).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 all=() sanitize='' cuda='' mpi=() quick=''
@@ -34,7 +35,8 @@ if ((${#all[@]})); then
     done
 fi
 
-# Builds only the modules, in the folder $1 with the remaining arguments as CMake options, and puts them into a package.
+# Builds the extension modules in the folder $1, with the remaining arguments as CMake options. Copies them and the package's
+# Python sources into $1/package, and sets PYTHONPATH to that.
 modules() {
     local folder=$1 package=$1/package/crumple
     shift
@@ -46,8 +48,8 @@ modules() {
     cp -r python/crumple/. "$folder"/python/_*.so "$package"
     export PYTHONPATH=$PWD/$folder/package PYTHONDONTWRITEBYTECODE=1
 }
-# Builds the modules with parts that the package leaves out: the cuda backend on an emulated device and, if MPI is
-# installed, the module of crumple.mpi.
+# Builds the extension modules with parts that the package as pip builds it lacks: the cuda backend on an emulated device and,
+# if MPI and mpi4py are installed, the module of crumple.mpi.
 special_modules() {
     local with_mpi=OFF
     ! command -v mpirun >/dev/null || ! "$python" -c 'import mpi4py' 2>/dev/null || with_mpi=ON
@@ -72,8 +74,9 @@ log=build-python/build-$version$sanitize.log
 echo "Building the Python package (the first time takes some minutes)"
 settings=(--config-settings=build-dir="build-python-$version$sanitize" --config-settings=cmake.args=-GNinja)
 if [[ $sanitize ]]; then
-    # The interpreter has no AddressSanitizer, so tests preload it; the build, which imports the module to write its
-    # stub, runs without it. Allocations of Python itself that remain at its exit do not count as leaks.
+    # The interpreter is not linked with AddressSanitizer, so the tests preload its library. The build imports the module, to
+    # write its stub, without preloading; verify_asan_link_order=0 permits that. The search for leaks is off, since Python
+    # itself does not free all memory at its exit.
     settings+=(--config-settings=cmake.define.CRUMPLE_SANITIZE=address)
     export ASAN_OPTIONS=detect_leaks=0:verify_asan_link_order=0
 else

@@ -11,7 +11,7 @@
 
 namespace crumple::test {
 
-/// Parts of a 3MF package, each a name and its content; the part "_rels/.rels" names the model.
+/// Names and contents of the files (parts) in a 3MF package. The part "_rels/.rels" names the part that has the model.
 struct PackageParts : std::vector<std::pair<std::string, std::string>> {
     using vector::vector;
 
@@ -36,7 +36,8 @@ inline const std::string relationships =
 </Relationships>
 )";
 
-/// Returns the text of a model part with these children, which begin in line 3, and extra attributes of its root.
+/// Returns the XML of a model part: a root element with extra `attributes` around `children`. The first child is in
+/// line 3, so that tests know the line numbers in messages.
 inline std::string model_around(const std::string& children, const std::string& attributes = "") {
     return "<?xml version=\"1.0\"?>\n<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" "
            "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" " +

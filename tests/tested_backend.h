@@ -1,8 +1,8 @@
 #pragma once
 
-// Backend under test. An executable runs twice where the CPU can play a device: on the cpu backend, and, with
-// CRUMPLE_TESTED_BACKEND=played in the environment, on the cuda backend. Builds for machines with a device define
-// CRUMPLE_TESTED_BACKEND as cuda.
+// Backend under test. If the build can emulate a device on the CPU ("play" it), an executable runs twice: with the cpu
+// backend, and, with CRUMPLE_TESTED_BACKEND=played in the environment, with the cuda backend on the emulated device.
+// Builds for machines with a device define CRUMPLE_TESTED_BACKEND as cuda.
 
 #include <cstdlib>
 #include <string>
@@ -17,14 +17,14 @@
 
 namespace crumple::test {
 
-/// True if the CPU plays the device, on which everything takes some hundred times as long.
+/// True if the CPU emulates the device, which makes everything some hundred times as slow.
 inline const bool played = [] {
     const char* const tested = std::getenv("CRUMPLE_TESTED_BACKEND");
     return tested && tested == std::string_view("played");
 }();
 inline const Backend tested_backend = played ? Backend::cuda : Backend::CRUMPLE_TESTED_BACKEND;
-/// The reference backend (brute force) and the tested one. If the CPU plays a device, only the tested one: the run on
-/// the cpu backend covers brute force.
+/// The reference backend (brute force) and the tested backend. On an emulated device, only the tested one, since the
+/// run with the cpu backend includes the reference.
 inline const std::vector<Backend> tested_backends =
     played ? std::vector{Backend::cuda} : std::vector{Backend::reference, tested_backend};
 

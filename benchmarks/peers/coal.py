@@ -1,4 +1,4 @@
-"""Coal (PyPI: coal), FCL's successor: two meshes as trees of bounding volumes; all pairs that its test finds."""
+"""Coal (PyPI: coal), FCL's successor: all intersecting pairs of triangles of two meshes."""
 
 import coal
 import numpy as np
@@ -7,8 +7,8 @@ from peers.worker import load
 
 
 class Coal:
-    """Builds trees in each call, as for meshes that deform. Each pair comes with a contact point and a normal, which
-    cannot be switched off. Coal uses one thread only."""
+    """Builds trees in each call, as for meshes that deform. Coal always computes a contact point and a normal of each
+    pair, too, and uses one thread only."""
 
     name, question, computes = "Coal", "between", "pairs, rounding errors, contacts"
     package, scalar = "coal", "float64"
@@ -55,7 +55,7 @@ class Coal:
 
 
 class CoalTreesBuilt(Coal):
-    """Builds trees beforehand, as for rigid bodies."""
+    """Builds trees before the timed calls, as for rigid bodies."""
 
     name = "Coal, trees built"
 

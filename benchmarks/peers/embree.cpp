@@ -1,9 +1,10 @@
 // Embree: a bounding volume hierarchy over the triangles' boxes, built anew in each call, and rtcCollide. It yields
 // pairs of overlapping boxes, adjacent triangles included; tests of triangles would cost extra.
 //
-// Build quality is LOW for the scene and for the geometry (Morton codes): the fastest build, and leaves of one
-// primitive; with the geometry's default, leaves of several primitives are reported whole. Each thread has an output of
-// its own, because a shared counter would ruin the scaling.
+// Build quality is LOW for the scene and for the geometry (Morton codes). This is the fastest build, and makes leaves of one
+// primitive. With the geometry's default quality leaves have several primitives, and rtcCollide reports all pairs of two
+// leaves, even if boxes of the primitives do not overlap. Each thread has an output of its own, because a shared counter
+// would ruin the scaling.
 
 #include <embree3/rtcore.h>
 #include <tbb/global_control.h>
@@ -41,7 +42,7 @@ void bounds(const RTCBoundsFunctionArguments* arguments) {
     box.upper_x = high(0), box.upper_y = high(1), box.upper_z = high(2);
 }
 
-/// Lists of the collisions of the current call, one for each thread that finds any.
+/// Lists of the pairs of boxes of the current call, one list for each thread that finds any.
 class Outputs {
    public:
     void start() {
@@ -94,7 +95,7 @@ class Collider {
     void operator()() {
         outputs_.start();
         for (RTCScene scene : scenes_) {
-            rtcCommitGeometry(rtcGetGeometry(scene, 0));  // marks it as changed, so that its hierarchy is rebuilt
+            rtcCommitGeometry(rtcGetGeometry(scene, 0));  // marks the geometry as changed, so that the hierarchy is rebuilt
             rtcCommitScene(scene);
         }
         const auto append = [](void* outputs, RTCCollision* collisions, unsigned count) {
@@ -135,7 +136,7 @@ std::vector<Contestant> embree_contestants(const Workload& workload) {
     const auto collider = std::make_shared<Collider>(workload);
     const auto pairs = [=] { return collider->pairs(); };
     const auto one_thread = [=] {
-        // The device's own setting is not enough: all devices of a process share the largest.
+        // The device's own number of threads has no effect here: all devices of a process use the largest one of them.
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
         (*collider)();
     };

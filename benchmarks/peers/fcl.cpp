@@ -1,7 +1,7 @@
 // FCL: two meshes as trees of bounding volumes, all pairs of triangles that intersect by its floating-point test,
-// without contact points. It uses one thread. Both scalar types and the bounding volumes for which it has a mesh
-// traversal race; the fastest stands for FCL. There are two contestants: one builds the trees in each call, as for
-// deforming meshes; the other has them built before, as for rigid bodies.
+// without contact points. FCL uses one thread. Contestants combine both scalar types with each bounding volume for which FCL
+// has a mesh traversal; the fastest combination stands for FCL. Contestants named "FCL" build the trees in each call, as for
+// deforming meshes; those named "FCL, trees built" build them before the timed calls, as for rigid bodies.
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/AABB.h>

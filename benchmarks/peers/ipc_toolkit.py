@@ -1,4 +1,4 @@
-"""IPC Toolkit (PyPI: ipctk): boxes by all of its broad phases except BruteForce, and has_intersections."""
+"""IPC Toolkit (PyPI: ipctk): overlapping boxes by all of its broad phases except BruteForce, and has_intersections."""
 
 import ctypes
 
@@ -9,8 +9,8 @@ from peers.worker import load
 
 
 class IpcBoxes:
-    """LBVH: builds the tree and finds face-face candidates, without adjacent faces. No edges are passed, so none enter
-    a tree."""
+    """LBVH: builds the tree and finds face-face candidates, without adjacent faces. No edges are passed, so it builds
+    no tree of edges."""
 
     name, question, computes = "IPC Toolkit LBVH, from Python", "self", "overlapping boxes"
     package, scalar, describes = "ipctk", "float64", "boxes only: pairs of overlapping boxes, neighbours left out"
@@ -35,8 +35,8 @@ class IpcBoxes:
 
 
 class IpcHashGrid(IpcBoxes):
-    """HashGrid, like SpatialHash, takes seconds for ten thousand triangles; larger scenes would delay the others by
-    minutes."""
+    """HashGrid. Like SpatialHash, it takes seconds for ten thousand triangles. Larger scenes are left out, because each
+    call would take minutes."""
 
     name, phase, most_triangles = "IPC Toolkit HashGrid, from Python", "HashGrid", 20_000
 
@@ -50,8 +50,8 @@ class IpcSweepAndPrune(IpcBoxes):
 
 
 class IpcBoxesNative(IpcBoxes):
-    """LBVH without the list of Python objects, which takes longer than the search: calls the C++ member function, which
-    the module exports, with a std::vector of three pointers."""
+    """LBVH without making a list of Python objects, which takes longer than the search. Calls the C++ member function,
+    whose symbol the module exports, and passes it a std::vector: in memory, three pointers."""
 
     name, pairs, too_much = "IPC Toolkit LBVH, C++ only", None, {}
 
@@ -75,13 +75,13 @@ class IpcBoxesNative(IpcBoxes):
         return candidates
 
     def count(self, answer):
-        pairs = (answer.end - answer.begin) // 8  # two int32
+        pairs = (answer.end - answer.begin) // 8  # a pair is two int32
         self.free(answer.begin)
         return pairs
 
 
 class IpcIntersections:
-    """has_intersections: edges against faces, on float64."""
+    """has_intersections: True if an edge intersects a face. It computes in float64."""
 
     name, question, computes = "IPC Toolkit has_intersections", "any", "yes or no"
     package, scalar, describes = "ipctk", "float64", "yes or no, edges against faces, with rounding errors"

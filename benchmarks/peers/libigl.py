@@ -1,4 +1,4 @@
-"""libigl (PyPI: libigl): remesh_self_intersections and intersect_other, detection only; CGAL's exact kernel underneath."""
+"""libigl (PyPI: libigl): remesh_self_intersections and intersect_other, detection only. Both use CGAL's exact kernel."""
 
 import igl.copyleft.cgal as cgal
 import numpy as np

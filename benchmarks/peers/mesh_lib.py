@@ -8,8 +8,8 @@ from peers.worker import load
 
 
 class MeshLib:
-    """findSelfCollidingTriangles, touching included. MeshLib stores float32. Builds the tree of boxes in each call, as
-    for a mesh that deforms."""
+    """findSelfCollidingTriangles, including triangles that only touch. MeshLib stores float32. Builds the tree of boxes
+    in each call, as for a mesh that deforms."""
 
     name, question, computes = "MeshLib", "self", "pairs, float32"
     package, scalar = "meshlib", "float32"
@@ -54,7 +54,7 @@ class MeshLibTreeBuilt(MeshLib):
 
 
 class MeshLibBetween(MeshLib):
-    """findCollidingTriangles. It always leaves out touching triangles."""
+    """findCollidingTriangles. It always leaves out triangles that only touch."""
 
     question = "between"
 
@@ -69,7 +69,7 @@ class MeshLibBetween(MeshLib):
 
 
 class MeshLibTreesBuilt(MeshLibBetween):
-    """Builds trees beforehand, as for rigid bodies."""
+    """Builds trees before the timed calls, as for rigid bodies."""
 
     name = "MeshLib, trees built"
 

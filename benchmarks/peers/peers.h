@@ -1,7 +1,7 @@
 #pragma once
 
 // Contestants for a workload, one file per library. Each gets the workload's coordinates in its own containers before
-// the clock starts; boxes and trees derived from them are timed, unless the contestant's name says otherwise.
+// the clock starts. Making boxes and trees from them is timed, except for contestants named "trees built".
 
 #include <vector>
 
@@ -10,7 +10,8 @@
 
 namespace crumple::benchmark {
 
-/// Returns crumple on one thread and on all threads. Each has a detector that stays warm, as in a simulation.
+/// Returns two contestants: crumple on one thread and on all threads. Each has a detector that stays warm, as in a
+/// simulation.
 std::vector<Contestant> crumple_contestants(const Workload& workload);
 
 // Contestants of each library; empty if it does not support the workload's query.

@@ -1,4 +1,4 @@
-"""trueform (PyPI: trueform): a tree over the primitives; all pairs of primitives that intersect, or yes or no."""
+"""trueform (PyPI: trueform): all intersecting pairs of triangles of two meshes, or yes or no for one mesh, by trees."""
 
 import numpy as np
 import trueform

@@ -40,8 +40,8 @@ def find_pairs(tree: wp.uint64, lower: wp.array(dtype=wp.vec3), upper: wp.array(
 
 
 class WarpBoxes:
-    """The mesh is on the device before the clock starts, and the pairs stay on it; the tree is built in each call. The
-    array of pairs has capacity for all, which a first call has counted."""
+    """The mesh is on the device before the clock starts, and the pairs stay on the device; the tree is built in each call. The
+    array of pairs is large enough for all pairs, because a first call has counted them."""
 
     name, question, computes = "Warp LBVH, CUDA", "self", "overlapping boxes"
     package, scalar, describes = "warp-lang", "float32", "boxes only, on the GPU: pairs of overlapping boxes, neighbours included"
@@ -62,7 +62,7 @@ class WarpBoxes:
         wp.launch(find_bounds, n, [self.points, self.triangles, self.lower, self.upper], device=DEVICE)
         tree = wp.Bvh(self.lower, self.upper, constructor="lbvh" if DEVICE.startswith("cuda") else None)
         wp.launch(find_pairs, n, [tree.id, self.lower, self.upper, self.counter, self.found], device=DEVICE)
-        return int(self.counter.numpy()[0])  # waits for the device
+        return int(self.counter.numpy()[0])  # waits until the device is done
 
     def count(self, answer):
         return answer

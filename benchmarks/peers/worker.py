@@ -2,9 +2,10 @@
 
 A peer's class has `name`, `question`, `computes` and `ways`, pairs of a label and a number of threads (0: all); for the
 report also `package`, its name on PyPI, `scalar` and `describes`. A class that is too slow for large scenes has
-`most_triangles`, and is left out of quick runs; `too_much` maps scenes that it cannot handle to reasons. The class is
-constructed from a folder of arrays and a label. `call` is timed and returns a result; `count` returns its size and
-`pairs` its set, both outside of the measured time.
+`most_triangles`: it is left out of larger scenes and of quick runs. `too_much` maps scenes that the class cannot handle
+to reasons. The class is constructed from a folder of arrays and a label. `call` is timed and returns a result. `count`
+returns the number of pairs in a result, or 0 or 1 for a yes or no, and `pairs` the set of its pairs; neither is timed.
+A class whose pairs cannot be compared has no `pairs`, or None.
 """
 
 import gc
@@ -18,8 +19,8 @@ import numpy as np
 
 
 def load(folder, which=""):
-    """Returns float64 vertices and int32 triangles of the first mesh, or of the second (`which` is "_b"), in the
-    column-major order that the IPC Toolkit accepts without a copy."""
+    """Returns float64 vertices and int32 triangles of the first mesh (if `which` is empty) or of the second one (if it
+    is "_b"), in column-major order, which IPC Toolkit accepts without a copy."""
     scalar = json.loads((folder / "description").read_text())["scalar" + which]
     vertices = np.fromfile(folder / ("vertices" + which), scalar).reshape(-1, 3).astype(float)
     triangles = np.fromfile(folder / ("triangles" + which), np.int32).reshape(-1, 3)
@@ -27,7 +28,8 @@ def load(folder, which=""):
 
 
 def run(peer, seconds):
-    """Calls at least once, until `seconds` have passed; returns milliseconds of each call and the result's size."""
+    """Calls the peer at least once, and until `seconds` of calls have passed. Returns the milliseconds of each call and
+    the result's size."""
     times = []
     while not times or sum(times) < 1000 * seconds:
         begin = time.perf_counter()

@@ -1,10 +1,11 @@
-// Study of the sweep direction and of the number of axes along which boxes are tested: [MZ] sec. 3 sweeps along the
-// first principal component and tests boxes along the second only; the library tests the third, too, and turns both so
-// that edges lie along them.
+// Study of the sweep direction and of the number of axes along which boxes are tested. [MZ] (the paper that the library
+// follows: ARCHITECTURE.md) sec. 3 sweeps along the first principal component and tests boxes along the second one only.
+// The library tests the third one, too, and rotates the second and the third one so that edges lie along them.
 //
-// A plain sweep, in float64 on one thread, so that nothing but the frame differs: sorts boxes in the frame by start,
-// tests overlapping intervals along the other axes, and tests for overlapping boxes if one triangle lies on one side of
-// the other's plane, which is how a triangle test begins. Adjacent triangles are among the candidates.
+// The study has a simple sweep of its own, in float64 on one thread, so that only the axes differ. It sorts boxes by their
+// start along the first axis, and tests pairs of boxes whose intervals overlap there along the other axes. For overlapping
+// boxes it tests whether one triangle lies on one side of the other's plane, as triangle tests begin. Adjacent triangles are
+// among the candidates.
 
 #include <fmt/format.h>
 
@@ -23,12 +24,12 @@ using Frame = std::array<Vec3d, 3>;
 
 struct Way {
     const char* name;
-    int fixed;  ///< coordinate axis to sweep along, or one of the following
+    int fixed;  ///< coordinate axis (0, 1, 2) to sweep along, or one of the constants below
     bool third_axis;
 };
-constexpr int longest = -1;              ///< the coordinate axis of the largest variance
-constexpr int principal = -2;            ///< principal components
-constexpr int principal_and_edges = -3;  ///< these, turned to the edges
+constexpr int longest = -1;              ///< the coordinate axis along which centroids have the largest variance
+constexpr int principal = -2;            ///< the principal components of the centroids
+constexpr int principal_and_edges = -3;  ///< the same, rotated by turn_to_edges()
 constexpr std::array ways{Way{"x", 0, true},
                           Way{"y", 1, true},
                           Way{"z", 2, true},
@@ -106,7 +107,7 @@ Counts sweep(const std::vector<const Primitive*>& members, const Way& way) {
     return counts;
 }
 
-/// Returns the mesh of a workload; if it has two, both in one.
+/// Returns the mesh of a workload, or the union of both meshes of a workload of two.
 io::TriangleMesh one_soup(const Workload& workload) {
     if (workload.query != Query::between) return workload.a;
     std::vector<double> vertices = coordinates<double>(workload.a);
@@ -131,7 +132,7 @@ nlohmann::json compare_axes(const Workload& workload, int parts, const Effort& e
             masks[static_cast<std::size_t>(t)] |= std::uint64_t{1} << part.index;
         }
     }
-    std::int64_t colliding = 0;  // counted like candidates: once in each part that holds both triangles
+    std::int64_t colliding = 0;  // counted like candidates: once in each part that has both triangles
     for (const Pair& pair : detector.find(mesh.view()).pairs)
         colliding += std::popcount(masks[static_cast<std::size_t>(pair.a)] & masks[static_cast<std::size_t>(pair.b)]);
 

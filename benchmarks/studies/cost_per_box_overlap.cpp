@@ -1,6 +1,7 @@
-// Study of triangles of very different size ([MZ] 5.1): cost of an overlapping pair of boxes in scenes full of needles
-// or of sizes over decades, compared with cloth. Boxes lie along the axes of the input, whatever frames the detector
-// uses, so that their number is a property of the scene.
+// Study of triangles of very different size, which [MZ] 5.1 discusses ([MZ] is the paper that the library follows): time per
+// overlapping pair of boxes in scenes full of needles or with triangle sizes over several decades, compared with cloth. Boxes
+// are aligned with the coordinate axes here, although the detector uses other frames, so that their number of overlaps
+// depends on the scene only.
 
 #include <fmt/format.h>
 
@@ -13,7 +14,7 @@
 namespace crumple::benchmark {
 namespace {
 
-constexpr double limit = 2;  // times the cost on cloth
+constexpr double limit = 2;  // aim for the largest cost, as a multiple of the cost on the first scene, a cloth
 
 struct Box {
     std::array<double, 3> low, high;
@@ -45,7 +46,7 @@ std::int64_t overlapping_boxes(const io::TriangleMesh& mesh) {
 }  // namespace
 
 nlohmann::json study_cost_per_box_overlap(const StudySettings& settings) {
-    // The first one is the reference.
+    // Costs are compared with that of the first scene.
     const std::vector<std::string> scenes =
         choose_scenes(settings, {"cloth_ball92", "Generic_Twin_right", "needles", "five_decades", "fans", "soup"},
                       {"cloth", "needles", "five_decades", "fans", "soup"});

@@ -52,7 +52,7 @@ std::vector<FeatureWay> feature_ways() {
             Detector{options};
             ways.push_back({name, options});
         } catch (const Error&) {
-            continue;  // this machine does not have it
+            continue;  // this machine lacks the instruction set
         }
     }
     return ways;

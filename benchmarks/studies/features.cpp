@@ -1,5 +1,5 @@
 // Study of motion and nearness: time of each stage on one thread, pairs and tests left by each filter, and the gain
-// from threads and instruction sets. A test is one of the pairs of features that a pair of triangles owns.
+// from threads and instruction sets. A test is a pair of features (a vertex and a face, or two edges) of a pair of triangles.
 
 #include <fmt/format.h>
 
@@ -10,7 +10,8 @@
 namespace crumple::benchmark {
 namespace {
 
-/// Measures median milliseconds of each stage and of the whole over `calls`, and the counts.
+/// Measures the median milliseconds of each stage and of the whole call over `calls` warm calls, and the counts. Adds a row
+/// to both tables, and returns the figures.
 nlohmann::json stages(const Step& step, FeatureQuestion query, int calls, Table& times, Table& counts) {
     Detector detector({.threads = 1});
     std::array<std::vector<double>, stage_count> stage;
@@ -18,7 +19,7 @@ nlohmann::json stages(const Step& step, FeatureQuestion query, int calls, Table&
     Statistics last;
     for (int call = 0; call <= calls; ++call) {
         last = ask(detector, step, query);
-        if (call == 0) continue;  // not warm
+        if (call == 0) continue;  // warm-up
         for (std::size_t s = 0; s < stage.size(); ++s) stage[s].push_back(last.stage_milliseconds[s]);
         totals.push_back(last.milliseconds);
     }

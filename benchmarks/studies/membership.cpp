@@ -1,18 +1,20 @@
-// Study of the membership of triangles in clusters: [MZ]'s rules against two local ones, around the same centres.
+// Study of the membership of triangles in clusters: rules of [MZ] (the paper that the library follows: ARCHITECTURE.md)
+// against two local rules, around the same centres.
 //
-// A triangle belongs to the cluster of its nearest centre; a rule defines to which others. Let d_k be the distance of
-// the centroid from centre k, s_k its distance from the plane that bisects its nearest centre and centre k, r the
-// distance from the centroid to the farthest corner, R the largest r of the scene and r' their mean. Rules:
-//   nearest only         no overlap
-//   exactly two          [MZ] 5.1 literally: for each two clusters, the triangle on either side that is nearest to the
-//                        plane between them
-//   two across           the same as a width: s_k <= 2 r', a band as wide as two triangles
+// A triangle belongs to the cluster of its nearest centre. A rule defines to which other clusters it also belongs, so that
+// pairs of triangles of different clusters are found. Let d_k be the distance of the triangle's centroid from centre k, d_min
+// the least d_k, s_k the distance of the centroid from the plane that bisects the nearest centre and centre k, r the distance
+// from the centroid to the farthest corner, R the largest r of the scene and r' the mean r. A triangle also belongs to cluster
+// k under these rules:
+//   nearest only         never
+//   exactly two          [MZ] 5.1 literally: of the triangles of each other cluster, the one with the least s_k
+//   two across           s_k <= 2 r': [MZ] 5.1 as a width, a band around the plane that is about two triangles wide
 //   eq. 5, R in all      s_k <= R / 2: the band has the least width that [MZ] eq. 5 demands
-//   eq. 5, R each side   s_k <= R: complete according to eq. 5
+//   eq. 5, R each side   s_k <= R: finds all pairs according to eq. 5
 //   local 2r             d_k <= d_min + 2 r
 //   bisector             s_k <= r: the rule of the library
-// Each part is then searched as a scene of its own, on one thread, and the results are united. The pairs show what a
-// rule loses; the time shows its cost, pairs that are found twice included.
+// Each cluster is then searched as a scene of its own, on one thread, and the results are united. Their number shows how many
+// pairs a rule loses. The time shows the cost of a rule, and includes pairs that are found in several clusters.
 
 #include <fmt/format.h>
 
@@ -32,7 +34,7 @@ namespace {
 
 using Masks = std::vector<std::uint64_t>;  // bit k: member of cluster k
 
-/// Distances of one triangle's centroid from every centre (d_k) and bisecting plane (s_k).
+/// Distances of one triangle's centroid from every centre (d_k) and from every bisecting plane (s_k), by cluster k.
 struct Place {
     std::size_t nearest = 0;
     std::array<double, 64> distance, from_plane;
@@ -47,7 +49,7 @@ struct Scene {
 
 double length(Vec3d v) { return std::sqrt(dot(v, v)); }
 
-/// Returns the library's own centres of `parts` parts, in the mesh's coordinates.
+/// Returns the centres that the library computes for `parts` parts, in the mesh's coordinates.
 std::vector<Vec3d> centres_of(const io::TriangleMesh& mesh, int parts) {
     ParallelFor serial;
     SceneBuffers buffers;
@@ -123,7 +125,7 @@ std::vector<std::pair<std::string, Masks>> rules(const Scene& scene) {
              })}};
 }
 
-/// Parts defined by masks, each with a mesh and a warm detector of its own.
+/// Clusters as defined by masks, each with a mesh of its triangles and a detector of its own, which stays warm.
 struct Parts {
     struct Part {
         std::vector<std::int32_t> triangles;

@@ -1,6 +1,6 @@
-// Study of the options of nearness: cost of radii of vertices, of rings of neighbours and of a rest shape compared with
-// one radius, on one thread. All radii of vertices are half of the one radius, so that the list is the same; or they
-// differ.
+// Study of the options of nearness: cost of a radius per vertex, of excluding rings of neighbours, and of a rest shape,
+// compared with one radius for all, on one thread. Radii of vertices are either all half of the one radius, so that the list
+// of pairs is the same, or differ from vertex to vertex.
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ struct Asked {
     ProximityQuery query;
 };
 
-/// Returns radii from an eighth of `most` to all of it, the same on every machine.
+/// Returns pseudo-random multiples of most / 8, up to `most`: the same radii on every machine.
 std::vector<double> uneven(std::size_t count, double most) {
     std::vector<double> radii(count);
     for (std::size_t i = 0; i < count; ++i) radii[i] = most * static_cast<double>(1 + (i * 2654435761u >> 16) % 8) / 8;

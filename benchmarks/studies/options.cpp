@@ -1,5 +1,5 @@
-// Studies of time against the value of one option, all others at their defaults: show what the option does and whether
-// its default is a good one. The values alternate on each scene.
+// Studies of the time for several values of one option, with all others at their defaults. They show what the option does and
+// whether its default is a good one. On each scene, calls with different values alternate.
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ struct Setting {
     Options options;
 };
 
-/// Makes the contestant that runs a workload with these options.
+/// Function that makes a contestant with these options and this label. It determines what the contestant searches.
 using MakeContestant = std::function<Contestant(const Options&, std::string label)>;
 
 /// Returns settings with each of the values. `member(options)` returns a reference to the varied option.
@@ -69,7 +69,7 @@ nlohmann::json compare(const std::string& option, const std::string& scene, cons
 
 std::vector<std::string> meshes_against_meshes() { return {"ember_016", "ember_260", "ember_406"}; }
 
-/// Runs a study on scenes that stand still: calls repeat the same frame.
+/// Runs a study on scenes that do not move: all calls search the same frame.
 nlohmann::json on_still_scenes(const StudySettings& study, const std::string& option,
                                const std::vector<Setting>& settings,
                                const std::vector<std::string>& further_scenes = {}) {
@@ -86,8 +86,8 @@ nlohmann::json on_still_scenes(const StudySettings& study, const std::string& op
     return rows;
 }
 
-/// Makes contestants that run sixteen frames of a procedural animation, forth and back, by one detector; a call is one
-/// frame.
+/// Returns a function that makes contestants on a moving scene. A contestant has one detector; its calls search the last
+/// sixteen frames of a procedural animation, one frame each, forwards and backwards in turn.
 MakeContestant moving(const std::string& scene) {
     constexpr int frames = 16;
     const auto sequence = std::make_shared<std::vector<io::TriangleMesh>>();
@@ -139,7 +139,7 @@ nlohmann::json study_simd(const StudySettings& study) {
         try {
             Detector{setting.options};
         } catch (const Error&) {
-            continue;  // this machine does not have it
+            continue;  // this machine lacks the instruction set
         }
         settings.push_back(std::move(setting));
     }

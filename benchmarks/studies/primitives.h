@@ -1,6 +1,7 @@
 #pragma once
 
-// Triangles in the form that the stages before `narrow` use, in float64, for studies of rules other than the library's.
+// Triangles with centroids and radii, as the stages before `narrow` use them, but in float64. For studies that compare the
+// library's algorithms with others.
 
 #include <array>
 #include <cmath>
@@ -34,7 +35,7 @@ inline std::vector<Primitive> primitives_of(const io::TriangleMesh& mesh) {
     return primitives;
 }
 
-/// Returns the chosen triangles of a mesh as a mesh of their own, with no other vertices.
+/// Returns a mesh of the chosen triangles, in their order, which has only the vertices of these triangles.
 inline io::TriangleMesh extract(const io::TriangleMesh& mesh, const std::vector<std::int32_t>& chosen) {
     io::TriangleMesh part;
     std::visit(

@@ -1,6 +1,7 @@
-// Study of ranks that are threads of this process, timed by the CPU time of each thread, as if it had a machine of its
-// own: balance of the work, total work over that of one process, and traffic. The scene stands still, so that parts
-// move between ranks by measured work until they stay; balance and work are medians of the last frames.
+// Study of ranks that are threads of this process, timed by the CPU time of each thread, as if each had a machine of its
+// own: balance of the work, total work divided by that of one process, and traffic. The scene does not move. During the first
+// frames, parts are assigned to other ranks by measured work until the assignment is stable. Balance and work are medians of
+// the last four frames.
 
 #include <fmt/format.h>
 
@@ -86,7 +87,7 @@ nlohmann::json study_ranks(const StudySettings& settings) {
         const Workload workload = load(name);
         const std::int64_t n = workload.triangle_count();
         Detector one({.backend = Backend::cpu, .threads = 1});
-        std::vector<double> times;  // by the same clock
+        std::vector<double> times;  // milliseconds of CPU time, as for the ranks
         for (int frame = 0; frame < frames; ++frame) {
             const double begin = time_of_thread();
             one.find(workload.a.view());

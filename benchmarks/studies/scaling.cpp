@@ -1,6 +1,6 @@
-// Study of the scaling of ranks, counted and timed as if each had a machine of its own: search, other computation, and
-// communication of a frame. Ranks are threads of this process, timed by the CPU time of each thread outside its calls
-// of the transport; each makes its block of the cloth, which moves. benchmarks/predict_ranks.py reads these numbers.
+// Study of the scaling of ranks as if each had a machine of its own: times of searches and of other computation, and counts
+// of the communication of a frame. Ranks are threads of this process, timed by the CPU time of each thread outside its calls
+// of the transport. Each makes its own block of a cloth, which moves. benchmarks/predict_ranks.py reads these figures.
 
 #include <fmt/format.h>
 
@@ -31,10 +31,10 @@ double time_of_thread() {
 /// Figures of one rank in one frame.
 struct Told {
     double work = 0, rest = 0;                       // milliseconds of search, and of all else outside the transport
-    double bytes = 0, messages = 0, neighbours = 0;  // sent in exchanges; the ranks sent to
-    double reductions = 0, reduced = 0, broadcasts = 0, all_to_alls = 0, exchanges = 0;  // calls; bytes reduced
+    double bytes = 0, messages = 0, neighbours = 0;  // sent in exchanges; number of ranks to which they were sent
+    double reductions = 0, reduced = 0, broadcasts = 0, all_to_alls = 0, exchanges = 0;  // calls; `reduced` is in bytes
     double members = 0;
-    double moved = 0;  // 1 if little more than coordinates was sent
+    double moved = 0;  // DistributedStatistics::moved as 0 or 1
 };
 constexpr std::array<std::pair<const char*, double Told::*>, 12> columns{{{"work", &Told::work},
                                                                           {"rest", &Told::rest},
@@ -104,9 +104,9 @@ class Counted final : public distribute::Transport {
     double inside_ = 0;
 };
 
-constexpr int frames = 9, warm = 3;  // the first `warm` frames make and assign parts, and do not count
+constexpr int frames = 9, warm = 3;  // the first `warm` frames, which make and assign parts, do not count
 
-/// Block of the cloth in two frames, which alternate.
+/// Block of a rank's triangles of the cloth, in the last two frames of its animation. Calls alternate between them.
 struct MovingBlock {
     std::array<scenes::MeshBlock, 2> blocks;
     std::vector<std::int64_t> vertex_ids;
@@ -136,7 +136,7 @@ nlohmann::json over_ranks(const std::vector<Told>& ranks) {
     return row;
 }
 
-/// Returns the median of each column over frames.
+/// Returns the median of each column over the frames of one rank.
 Told median_of(const std::vector<Told>& told) {
     Told median;
     for (const auto& [name, member] : columns) {

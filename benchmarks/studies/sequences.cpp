@@ -1,14 +1,14 @@
-// Study of scenes that move, frame by frame: time of each stage ([MZ] figs. 7 and 8), gain from warm centres ([MZ]
-// sec. 4, end), the 99th percentile, which would be too low for a single repeated frame, the counts that explain slow
-// frames, and the detector's peak memory.
+// Study of scenes that move, frame by frame: time of each stage (as in figs. 7 and 8 of [MZ], the paper that the library
+// follows: ARCHITECTURE.md), gain from warm-started centres of clusters ([MZ] sec. 4, end), the 99th percentile of times,
+// which would be too low if a single frame were repeated, counts that explain slow frames, and the detector's peak memory.
 //
-// Several passes run over all frames; a frame's time is its median over the passes. The first pass warms up. From the
-// last frame to the first one the scene jumps, as scenes may.
-//   warm     one detector, centres are warm-started from the frame before
-//   cold     one detector, which searches other scenes, one of them larger, before each timed frame: the numbers of
-//            clusters differ, so centres start anew, while buffers stay allocated
-//   fixed    one detector, no iterations: the centres of the first frame for all frames
-//   new      a detector for each frame
+// Several passes run over all frames; a frame's time is its median over the passes. The first pass is a warm-up. The first
+// frame of a pass follows the last frame of the pass before, so the scene jumps there. Kinds of measurements:
+//   warm     one detector; centres are warm-started from the frame before
+//   cold     one detector, which searches two other scenes, one of them larger, before each timed frame. They have other
+//            numbers of clusters, so centres start anew, while buffers stay allocated
+//   fixed    one detector without iterations of the clustering: the centres of the first frame for all frames
+//   new      a new detector for each frame; the time includes making and destroying it
 
 #include <fmt/format.h>
 
@@ -70,7 +70,7 @@ std::int64_t most_triangles(const Sequence& sequence) {
     return most;
 }
 
-/// Returns a mesh of separate triangles, in rows and columns.
+/// Returns a mesh of `count` triangles that do not touch each other, in rows of 512.
 io::TriangleMesh scattered(std::int64_t count) {
     io::TriangleMesh mesh;
     auto& xyz = mesh.vertices.emplace<std::vector<float>>();
@@ -88,8 +88,8 @@ bool same_clusters(const Run& a, const Run& b) {
     return std::ranges::equal(a.last, b.last, {}, &Statistics::members, &Statistics::members);
 }
 
-/// Measures up to `most` passes, fewer if they would take longer than `budget` seconds, but at least one after the
-/// warm-up.
+/// Measures all kinds over up to `most` passes; fewer if they would take longer than `budget` seconds, but at least one,
+/// after a pass as a warm-up.
 nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     const std::size_t frames = sequence.frames.size();
     struct Kind {
@@ -120,7 +120,7 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
                     Statistics s;
                     const Contestant call{
                         "", "", "", [&] { s = Detector(kinds[k].options).find(mesh).statistics; }, {}};
-                    s.milliseconds = time_slice(call, 0).front();  // with construction and destruction
+                    s.milliseconds = time_slice(call, 0).front();  // includes construction and destruction
                     if (pass > 0) runs[k].add(f, s);
                 } else {
                     const Statistics& s = detectors[k].find(mesh).statistics;
@@ -155,14 +155,14 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
         }
         std::int64_t peak = 0;
         for (const Statistics& s : run.last) peak = std::max(peak, s.peak_memory_bytes);
-        if (!kinds[k].forgets) kind["peak_bytes"] = peak;  // otherwise it is that of the larger scenes in between
+        if (!kinds[k].forgets) kind["peak_bytes"] = peak;  // cold: the peak is that of the larger scenes
         const auto subdivide = static_cast<std::size_t>(Stage::subdivide);
         table.row({kinds[k].name, number(all.median), range(all), number(all.percentile_99),
                    number(over_all(run.stage[subdivide]).median), number(members), number(candidates),
                    kinds[k].forgets ? "" : number(static_cast<double>(peak) / 1048576)});
         kind["members"] = members;
         kind["candidates"] = candidates;
-        if (kinds[k].options.threads != 1) continue;  // summed over threads, stages would not add up to the total
+        if (kinds[k].options.threads != 1) continue;  // stage times are summed over threads, so exceed the total
         for (std::size_t s = 0; s < run.stage.size(); ++s)
             kind["stages"][stage_name(static_cast<Stage>(s))] = medians(run.stage[s]);
         if (k > 0) continue;
@@ -172,8 +172,8 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     return row;
 }
 
-/// Measures peers on some frames of the sequence; each is called until a slice of time is spent on each frame. A peer
-/// is represented by its fastest way over all frames, and only if it supports each of them.
+/// Measures peers on some frames of the sequence; calls each way of a peer on each frame until twice the slice of time is
+/// spent. Prints and returns the way of each peer that is the fastest over all these frames, if it supports all of them.
 nlohmann::json peers_on(const Sequence& sequence, const std::vector<std::size_t>& frames, const Effort& effort) {
     struct Way {
         std::string name, way, computes;

@@ -1,5 +1,5 @@
-// Study of the time of each stage and of the pairs left by each filter, on one thread, where the stages' times add up
-// to the call's except for a few per cent between stages.
+// Study of the time of each stage and of the pairs left by each filter. It uses one thread, so that the stages' times add up
+// to the time of the call, except for a few per cent that are spent between stages.
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ nlohmann::json study_stages(const StudySettings& settings) {
         Statistics last;
         for (int call = 0; call < 3 * settings.effort.rounds; ++call) {
             last = workload.query == Query::between ? detector.find({a, b}).statistics : detector.find(a).statistics;
-            if (call == 0) continue;  // not warm
+            if (call == 0) continue;  // warm-up
             for (std::size_t s = 0; s < stages.size(); ++s) stages[s].push_back(last.stage_milliseconds[s]);
             totals.push_back(last.milliseconds);
         }

@@ -14,7 +14,7 @@
 namespace crumple::benchmark {
 
 struct StudySettings {
-    std::vector<std::string> scenes;  ///< scenes that the user named; empty: the study's own
+    std::vector<std::string> scenes;  ///< scenes that the user named; empty for the default scenes of each study
     Effort effort;
     bool quick = false;
 };
@@ -28,8 +28,8 @@ struct Study {
 /// Returns every study, in the order in which they run.
 std::span<const Study> studies();
 
-/// Returns the scenes that the user named, or else `real` if the files exist, or else `procedural`; in a quick run only
-/// the first two of the study's own.
+/// Returns the scenes that the user named. If there are none, returns the default scenes of a study: `real` if the folder of
+/// the scenes' files exists, else `procedural`, and only the first two of them in a quick run.
 std::vector<std::string> choose_scenes(const StudySettings& settings, std::vector<std::string> real,
                                        std::vector<std::string> procedural);
 
@@ -63,7 +63,7 @@ nlohmann::json study_iterations(const StudySettings& settings);
 nlohmann::json study_first_iterations(const StudySettings& settings);
 
 /// Milliseconds of making a detector, which starts its threads, and of its first call. `crumple_benchmark --first-call`
-/// prints them; study_first_call runs it to measure a new process.
+/// prints them; study_first_call() runs that program to measure a new process.
 struct FirstCall {
     double detector = 0, call = 0;
 };

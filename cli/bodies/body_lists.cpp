@@ -15,7 +15,7 @@ std::string as_json(const nlohmann::json& value) {
     return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// Rounds to microseconds, the resolution of clocks.
+/// Returns a time as a JSON number, rounded to microseconds.
 std::string as_json_time(double milliseconds) { return as_json(std::round(milliseconds * 1000) / 1000); }
 
 const std::string& name(const std::vector<std::string>& names, std::int32_t b) {
@@ -26,7 +26,7 @@ std::string json_pair(const std::vector<std::string>& names, const BodyPair& pai
     return as_json({name(names, pair.first), name(names, pair.second)});
 }
 
-/// Returns the flags of pairs [begin, end).
+/// Returns the flags of pairs [begin, end) as a JSON list of true and false.
 std::string json_inside(const std::vector<std::uint8_t>& inside, std::size_t begin, std::size_t end) {
     std::string text;
     for (std::size_t i = begin; i < end; ++i)

@@ -1,6 +1,7 @@
 #pragma once
 
-// Worlds of bodies read from files, with excluded pairs, and searches in one or many configurations.
+// Worlds of bodies read from files, with excluded pairs, and searches in one or many configurations (a configuration is
+// a pose for each body).
 
 #include <algorithm>
 #include <cstdint>
@@ -17,57 +18,58 @@ namespace crumple::cli {
 
 /// Options that only worlds of bodies have.
 struct BodyOptions {
-    std::vector<std::string> excluded;  ///< "A,B"
-    std::string exclude_from;           ///< a file of pairs; empty: none
-    std::string poses;                  ///< a file of poses; empty: those of the files
-    bool any = false;                   ///< with poses: only which configurations have a result
+    std::vector<std::string> excluded;  ///< each "A,B": names of two bodies
+    std::string exclude_from;           ///< file of excluded pairs; empty: none
+    std::string poses;                  ///< file of poses; empty: poses of the input files
+    bool any = false;                   ///< --any-by-world: for each configuration, only whether it has results
 
-    /// Adds the files that these options name to `files`.
+    /// Appends to `files` the files that these options name.
     void add_files(std::vector<std::string>& files) const;
 };
 
-/// Returns the help of an option that applies under a condition. Without a condition it begins with a capital.
+/// Returns `condition` followed by `help`, the help of an option. If `condition` is empty, the help begins with a capital
+/// letter.
 std::string help_under(const std::string& condition, std::string help);
 
-/// Words of a command for the help of these options.
+/// Parts of the help of these options that differ between commands.
 struct BodyOptionWords {
     const char* condition;  ///< prefix of all helps: "With --groups bodies: "; may be empty
     const char* excluded;   ///< effect of an excluded pair: "these two bodies may collide"
-    const char* rows;       ///< sentence about the rows of a configuration
+    const char* rows;       ///< sentence about the rows that the command writes for a configuration
 };
-/// Adds these options, except --any-by-world, which is for commands that list configurations. Returns the added
-/// options.
+/// Adds the options of BodyOptions to a command, except --any-by-world, which only commands that list configurations
+/// have. Returns the added options.
 std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& options, const BodyOptionWords& words);
 
 /// World that was read from files, and searches in it.
 class BodyScene {
    public:
-    /// Throws Error.
+    /// Reads the files. Throws Error if a file is not valid, or if an option names a body that does not exist.
     BodyScene(const std::vector<std::string>& files, const ReadingOptions& reading, const BodyOptions& options);
 
     const io::WorldMesh& mesh() const { return mesh_; }
     const BodyOrigins& origins() const { return origins_; }
     const std::vector<std::string>& names() const { return origins_.names; }
 
-    /// Returns the bodies of `count` configurations, one after the other, each a world. `self`: bodies are also
-    /// searched for pairs with themselves, unless these are excluded.
+    /// Returns the bodies of `count` configurations, one configuration after the other; each is a world of its own.
+    /// `self`: also search for pairs within a body, unless the body is excluded as a pair with itself.
     std::vector<Body> bodies(std::size_t count, bool self) const;
-    /// Returns the excluded pairs in `count` configurations.
+    /// Returns the excluded pairs of different bodies in `count` configurations, with the indices of bodies().
     std::vector<BodyPair> excluded(std::size_t count) const;
-    /// Reads a file of poses: those of each body in turn, configuration after configuration. Throws Error.
+    /// Reads a file of poses: one pose for each body, in their order, for each configuration. Throws Error.
     std::vector<Pose> read_poses(const std::string& path) const;
 
     /// Prints which bodies are not closed, and the consequence, such as "left out".
     void print_skipped(const std::set<std::int32_t>& bodies, const char* consequence) const;
 
-    /// Searches the configurations with these poses in batches, whose size limits the memory that they need.
-    /// query_of(count) returns the query for a batch; take(found, first, count) consumes its result, and returns true
-    /// to continue.
+    /// Searches the configurations with these poses in batches of at most 100,000 bodies, or of one configuration, to
+    /// limit memory. query_of(count) returns the query for a batch of `count` configurations; take(found, first, count)
+    /// consumes the result of the batch that begins with configuration `first`, and returns true to continue.
     template <class QueryOf, class Take>
     void search_all(Search& search, const std::vector<Pose>& poses, bool self, QueryOf query_of, Take take) const;
 
    private:
-    BodyOrigins origins_;  // before mesh_, whose initialisation fills them
+    BodyOrigins origins_;  // declared before mesh_, because the initialisation of mesh_ fills it
     io::WorldMesh mesh_;
     std::vector<BodyPair> excluded_;
 };

@@ -19,15 +19,15 @@ OverlapQuery query_of(const OverlapOptions& options, Output output, const BodySc
     query.output = output;
     query.min_volume = options.min_volume;
     query.self_overlaps = options.self || scene.names().size() == 1;
-    query.open = options.open;  // vertices are welded when files are read
+    query.open = options.open;  // query.weld is not set: vertices are welded when files are read
     query.filter.excluded_bodies = scene.excluded(count);
     return query;
 }
 
-/// Sentence for each relation: "a and b touch", with the names in place of the braces.
+/// Format of the sentence for each OverlapRelation but `undefined`, such as "a and b touch". The arguments are the names.
 constexpr std::array<const char*, 5> sentences{"{} and {} touch", "{} and {} overlap", "{} lies inside {}",
                                                "{1} lies inside {0}", "{} and {} fill the same space"};
-/// Index in `kind_words` of each relation.
+/// Index in `kind_words` of each OverlapRelation but `undefined`.
 constexpr std::array<std::size_t, 5> kinds{0, 1, 2, 2, 3};
 constexpr std::array<const char*, 4> kind_words{"touching", "overlapping", "nested", "equal"};
 

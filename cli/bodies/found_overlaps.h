@@ -15,21 +15,21 @@ namespace crumple::cli {
 struct OverlapOptions {
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
-    bool self = false;  ///< also search for overlaps of each body with itself; always done for a single body
+    bool self = false;  ///< also search for overlaps of each body with itself; always true for a world of one body
     BodyOptions bodies;
 };
-/// Adds the options. `condition`: prefix of all helps. Returns the added options.
+/// Adds these options to a command and returns them. `condition`: prefix of the help of each option.
 std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOptions& options,
                                                     const std::string& condition);
 
 /// Result of an OverlapQuery, in one configuration or in many.
 struct FoundOverlaps {
     bool any = false;
-    io::OverlapList list;                    ///< from Output::body_pairs on
-    std::vector<std::uint8_t> has_overlaps;  ///< 1 per configuration; not for Output::any
+    io::OverlapList list;                    ///< filled for Output::body_pairs and larger outputs
+    std::vector<std::uint8_t> has_overlaps;  ///< flag per configuration; empty for Output::any
     Statistics statistics;                   ///< sums over all configurations
 };
-/// Finds the overlaps. Throws Error, also if there is no body.
+/// Finds the overlaps. Throws Error if the world has no body, and as Search::find() does.
 FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output);
 
 /// Writes a sentence for each row: "lid and pot overlap: volume 0.5 mm^3, mean depth 0.1 mm, normal (0 0 1)".

@@ -29,12 +29,13 @@ struct Convert {
         return world;
     }
 
-    /// Joins the posed bodies of a scene; a single mesh in place keeps its polygons.
+    /// Joins the posed bodies of a scene into one mesh. A single body with the identity pose is returned unchanged, with
+    /// its polygons.
     static io::TriangleMesh one_mesh(io::WorldMesh world) {
         const bool in_place = world.bodies.size() == 1 && world.bodies[0].pose == Pose{};
         if (!in_place) {
             io::TriangleMesh mesh = io::posed_mesh(world);
-            mesh.groups.clear();  // numbers of the bodies
+            mesh.groups.clear();  // posed_mesh() sets them to the indices of bodies
             return mesh;
         }
         return std::move(world.shapes.at(static_cast<std::size_t>(world.bodies[0].shape)));
@@ -76,13 +77,13 @@ struct Convert {
             to_standard_output([&](std::ostream& out) { io::write_world(out, world, format_of_bodies); });
         else
             io::write_world(output, world);
-        // glTF is in metres, to which bodies with a known unit are scaled.
+        // glTF files are in metres: write_world() scales bodies with a known unit.
         const bool in_metres = format_of_bodies == io::MeshFormat::glb && world.unit != io::Unit::unknown;
         tell(world.triangle_count(), world.bodies.size(), in_metres ? io::Unit::metre : world.unit);
     }
 
     void check_not_input() const {
-        std::error_code missing;  // set if a file does not exist
+        std::error_code missing;  // set if one of the files does not exist; they differ then
         if (is_standard(input) || is_standard(output) || !std::filesystem::equivalent(input, output, missing)) return;
         throw Error(ErrorCode::invalid_argument, output + " is the file that is read", Element::option);
     }

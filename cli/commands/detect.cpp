@@ -77,7 +77,7 @@ struct Detect : SearchCommand {
                                 found.statistics.milliseconds);
     }
 
-    /// Writes pairs to the only output while they are found.
+    /// Implements --stream: writes pairs to the only output as they are found.
     int run_stream(const Steps& steps) const {
         const std::string path = outputs.paths.empty() ? "-" : outputs.paths.front();
         const auto list = outputs.paths.empty() ? io::PairFormat::txt : list_format(extension_of(path, outputs.format));
@@ -90,7 +90,7 @@ struct Detect : SearchCommand {
         steps.begin("read");
         const Input input = read_input(files, query_options);
         steps.begin("search and write");
-        Intersections all;  // only flags and statistics
+        Intersections all;  // holds hit flags and statistics, but no pairs
         all.hit.assign(static_cast<std::size_t>(input.first.triangle_count()), 0);
         if (input.second) all.hit_second.assign(static_cast<std::size_t>(input.second->triangle_count()), 0);
         const auto write_to = [&](io::PairWriter writer) {

@@ -49,8 +49,8 @@ bool has_pictures(const BodyTask& task) {
                        [&](const std::string& path) { return !list_format(extension_of(path, task.format)); });
 }
 
-/// Returns the query for `count` configurations. --filter determines whether pairs within a body count;
-/// --excluded-bodies A,A excludes those of one body.
+/// Returns the query for `count` configurations. --filter determines whether collisions of a body with itself count;
+/// --excluded-bodies A,A excludes those of body A.
 IntersectionQuery query_of(const BodyTask& task, Output output, const BodyScene& scene, std::size_t count) {
     const QueryOptions& query_options = task.query_options;
     IntersectionQuery query;
@@ -82,7 +82,7 @@ void print_skipped(const BodyScene& scene, const std::set<std::int32_t>& bodies)
     scene.print_skipped(bodies, "what lies inside does not count");
 }
 
-/// Returns each pair of bodies once, in order.
+/// Returns the pairs sorted, each once.
 std::vector<BodyPair> distinct(const Array<BodyPair>& bodies) {
     std::vector<BodyPair> pairs(bodies.begin(), bodies.end());
     std::sort(pairs.begin(), pairs.end());
@@ -90,7 +90,7 @@ std::vector<BodyPair> distinct(const Array<BodyPair>& bodies) {
     return pairs;
 }
 
-/// Returns a result in which all triangles of the bodies of these pairs are hit, for pictures.
+/// Returns a result, for pictures, in which all triangles of all bodies in these pairs have the hit flag.
 Intersections whole_bodies(const io::WorldMesh& mesh, const std::vector<BodyPair>& pairs) {
     Intersections result;
     result.first_triangle.push_back(0);
@@ -127,7 +127,7 @@ int find_once(const BodyTask& task, Search& search, const BodyScene& scene, cons
     const std::vector<Body> bodies = scene.bodies(1, true);
     const World world{view.shapes, bodies, view.poses};
     const bool only_status = task.check && task.outputs.empty(), pictures = has_pictures(task);
-    const bool of_triangles = pictures && !task.bodies.containment;  // else whole bodies are coloured
+    const bool of_triangles = pictures && !task.bodies.containment;  // if false, pictures show whole bodies coloured
     const Output output = only_status ? Output::any : of_triangles ? Output::pairs : Output::body_pairs;
     IntersectionQuery query = query_of(task, output, scene, 1);
     query.index = of_triangles;
@@ -161,7 +161,8 @@ int find_once(const BodyTask& task, Search& search, const BodyScene& scene, cons
     return task.check && found.any ? collided : done;
 }
 
-/// Adds a batch of configurations, each of which has all bodies of the list.
+/// Adds the result of a batch of `count` configurations to the list. Converts indices of bodies in the batch to indices
+/// within one configuration.
 void add(const Intersections& found, std::size_t count, ConfigurationList& list) {
     const auto n = static_cast<std::int32_t>(list.names.size());
     std::size_t i = 0;

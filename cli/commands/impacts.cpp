@@ -1,5 +1,5 @@
-// crumple impacts: finds what touches, and when, while a mesh moves from one file's vertices to another's; or
-// candidates: features whose boxes overlap during the step.
+// crumple impacts: finds which features touch, and when, while a mesh moves from the vertices of one file to those of
+// another. With --candidates, finds features whose boxes overlap during the step.
 
 #include <algorithm>
 #include <memory>
@@ -24,7 +24,7 @@ struct ImpactsCommand : SearchCommand {
     bool triangle_pairs = false, lists_candidates = false, first = false;
     MotionOptions motion;
     CandidateOptions candidates;
-    std::vector<const CLI::Option*> of_impacts, of_candidates;  ///< options for only one of these
+    std::vector<const CLI::Option*> of_impacts, of_candidates;  ///< options that apply to impacts only, to candidates only
 
     int run() const {
         check_lists();
@@ -32,7 +32,7 @@ struct ImpactsCommand : SearchCommand {
         return lists_candidates ? list_candidates() : list_impacts();
     }
 
-    /// Throws Error (invalid_argument) for options that do not apply to the requested list.
+    /// Throws Error (invalid_argument) if an option does not apply to the requested list: impacts or candidates.
     void check_lists() const {
         if (stream && first) refuse("--stream does not go with --first");
         if (stream && triangle_pairs) refuse("--stream does not go with --triangle-pairs");
@@ -92,7 +92,7 @@ struct ImpactsCommand : SearchCommand {
     std::string found_in(const Impacts& found) const {
         return triangle_pairs ? pairs_of_triangles(found) : kinds_of(tally_of(found));
     }
-    /// Returns "81 pairs of triangles, 12 from the start".
+    /// Returns "81 pairs of triangles, 12 from the start": the number of all, and of those in contact at the start.
     static std::string pairs_of_triangles(const Impacts& found) {
         const ImpactList& list = found.triangle_pairs;
         const auto from_start = std::count(list.start.begin(), list.start.end(), std::uint8_t{1});

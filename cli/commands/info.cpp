@@ -72,7 +72,7 @@ std::optional<Box> box_of(const io::TriangleMesh& mesh) {
     return box;
 }
 
-/// Report on a posed body.
+/// Properties of one body, which is posed, or of a mesh.
 struct Report {
     Report(const io::TriangleMesh& mesh, bool lists_open_edges)
         : vertices(mesh.vertex_count()),
@@ -88,7 +88,8 @@ struct Report {
         if (lists_open_edges) listed = open_edges(mesh.view());
         if (triangles > 0 && edges.closed && !edges.flipped) volume = signed_volume(mesh);
     }
-    /// True if it is the surface of a solid: closed, consistently oriented, with an area everywhere.
+    /// True if the body is closed and consistently oriented, and has no degenerate triangle. The test of --check: does
+    /// not test whether the surface intersects itself.
     bool is_sound() const { return triangles > 0 && edges.closed && !edges.flipped && degenerate.empty(); }
 
     std::int64_t vertices, unused, triangles;
@@ -101,9 +102,9 @@ struct Report {
     std::optional<double> volume;  ///< set for a closed mesh with consistent orientation
 };
 
-constexpr std::size_t most_edges = 3;  // open edges that are shown
+constexpr std::size_t most_edges = 3;  // number of open edges that are shown without --open-edges
 
-/// Returns "3-5, from (0 0 0) to (1 0 0)", with the numbers of vertices in the file.
+/// Returns "3-5, from (0 0 0) to (1 0 0)": the vertices of an edge, by their indices in the mesh, and their positions.
 std::string describe(const io::TriangleMesh& mesh, const Edge& edge) {
     return fmt::format("{}-{}, from ({}) to ({})", edge.a, edge.b, text_of_point(mesh, point_of(mesh, edge.a)),
                        text_of_point(mesh, point_of(mesh, edge.b)));
@@ -244,14 +245,14 @@ struct Info {
     }
 
    private:
-    /// Decides by file name, since a scene may have a single body.
+    /// True if the file is a scene. Decides by its name, because a scene may have a single body, like a mesh.
     bool is_scene() const {
         const std::string extension = extension_of(file);
         return extension == ".glb" || extension == ".gltf" || extension == ".3mf";
     }
 
-    /// Prints the numbers of bodies, shapes and triangles, and the unit. Bodies follow in their order, which is that of
-    /// --poses.
+    /// Prints the numbers of bodies, shapes and triangles, and the unit. The caller then prints each body, in the order in
+    /// which --poses of other commands expects their poses.
     static void print_bodies(Printer& printer, const io::WorldMesh& world) {
         printer.row("bodies", grouped(std::ssize(world.bodies)));
         printer.row("shapes", grouped(std::ssize(world.shapes)));
@@ -299,7 +300,7 @@ Command add_info(CLI::App& app) {
                      "List all edges of a body that its triangles name more often in one direction than in the other, "
                      "with the lowest of these triangles. crumple overlap needs bodies without any. Edges of two "
                      "triangles that run along them in the same direction are among them");
-    // Uses CLI11's version flag: requires no file, prints the text and exits.
+    // Uses CLI11's version flag, because that needs no file, prints a text and exits.
     command.set_version_flag("--devices", describe_devices,
                              "List the devices of the cuda backend, or why there is none, and exit");
     command.footer(

@@ -15,7 +15,7 @@ struct CandidateOptions {
 
     CandidateQuery query(const QueryOptions& query_options) const;
 };
-/// Adds `--inflation` and `--kinds`. `with`: the option that they require.
+/// Adds `--inflation` and `--kinds`, and returns them. `with`: the option that they require, for their help.
 std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOptions& options,
                                                       const std::string& with);
 

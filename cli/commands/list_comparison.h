@@ -1,6 +1,6 @@
 #pragma once
 
-// Comparison of a list with the right one, for crumple verify.
+// Comparison of a given list with the list that Crumple computes (the right one), for crumple verify.
 
 #include <algorithm>
 #include <string>
@@ -20,8 +20,8 @@ struct RowComparison {
     bool right() const { return missed.empty() && false_ones.empty() && repeated.empty(); }
 };
 
-/// Compares rows in any order. key_of(row) identifies a row; meet(listed, exact) is called once for each row that is in
-/// both lists.
+/// Compares a list with the right one. Both may be in any order. Rows are the same if key_of(row) is equal. Calls
+/// meet(listed, exact) once for each row that is in both lists, with the row of each list.
 template <class Row, class KeyOf, class Meet>
 RowComparison<Row> compare_rows(std::vector<Row> list, std::vector<Row> right, KeyOf key_of, Meet meet) {
     const auto before = [&](const Row& a, const Row& b) { return key_of(a) < key_of(b); };

@@ -39,7 +39,7 @@ struct Make {
         if (output.empty()) fail("make needs a file to write: -o FILE");
         check_format({output}, format);
         const io::MeshFormat mesh_format = io::mesh_format_of(extension_of(output, format));
-        if (!io::holds_meshes(mesh_format)) {  // checked before minutes of simulation
+        if (!io::holds_meshes(mesh_format)) {  // checked first, because a simulation may take minutes
             throw Error(ErrorCode::invalid_argument,
                         "cannot write " + output + ": meshes are written as .ply, .obj, .stl, .off, .glb or .3mf");
         }

@@ -1,4 +1,4 @@
-// crumple near: finds vertices and faces, and edges and edges, that are within a distance, in one mesh or between two.
+// crumple near: finds vertex-face and edge-edge pairs within a distance of each other, in one mesh or between two.
 
 #include <memory>
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr ListWords words_of_overlaps{"overlap", "something overlaps", "nothing overlaps"};
 
-/// Calls write(stream) for a stream, or for a path, where the file appears only when it is complete.
+/// Calls write(stream). `to`: a stream, or the path of a file, which appears only when it is complete.
 template <class To, class Write>
 void write_whole(To& to, Write write) {
     if constexpr (std::is_base_of_v<std::ostream, To>) {

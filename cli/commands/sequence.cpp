@@ -1,8 +1,8 @@
 // crumple sequence: searches the frames of an animation one after another, with one warm-started detector.
 //
-// Tables have a row for each frame, or for each step from one frame to the next; coloured frames are one file each, or
-// one animation. After Ctrl-C, tables and animations have the frames so far; after an error, existing files are
-// unchanged.
+// Tables have a row for each frame, or for each step from one frame to the next. Coloured frames are written as one file
+// per frame, or as one animation. After Ctrl-C, tables and animations have the frames searched so far. After an error,
+// files of tables and animations remain as they were before.
 
 #include <algorithm>
 #include <csignal>
@@ -28,7 +28,7 @@
 namespace crumple::cli {
 namespace {
 
-volatile std::sig_atomic_t stop = 0;  // stop after the current frame
+volatile std::sig_atomic_t stop = 0;  // nonzero after Ctrl-C: stop after the current frame
 
 struct Sequence {
     std::vector<std::string> files, outputs;
@@ -50,7 +50,7 @@ struct Sequence {
         if (!outputs.empty() || !format.empty()) check_format(outputs, format);
         std::vector<Table> tables;
         std::vector<std::string> pictures;
-        std::string standard = outputs.empty() ? (json ? ".json" : ".csv") : "";  // extension for standard output
+        std::string standard = outputs.empty() ? (json ? ".json" : ".csv") : "";  // extension of standard output; empty: not used
         for (const std::string& path : outputs) {
             const std::string extension = extension_of(path, format);
             const bool table = extension == ".csv" || extension == ".json";
@@ -87,7 +87,7 @@ struct Sequence {
         throw Error(ErrorCode::invalid_argument, what, Element::option);
     }
 
-    /// Returns the outputs, and those of their numbered files that exist already.
+    /// Returns the outputs, and the numbered files of `pictures` that exist already, to compare them with the inputs.
     std::vector<std::string> files_written(const std::vector<std::string>& pictures, std::size_t count) const {
         std::vector<std::string> written = outputs;
         for (const std::string& path : pictures) {
@@ -99,7 +99,7 @@ struct Sequence {
         return written;
     }
 
-    /// Finds the impacts from `start` to `end`, which becomes the next start.
+    /// Finds the impacts of the step from `start` to `end`. Then moves `end` to `start`, for the next step.
     const Impacts& find_step(Search& search, Input& start, Input&& end) const {
         check_same_faces(start, end.name, end.first);
         start.name += " to " + end.name;

@@ -25,7 +25,7 @@ std::string csv_header(bool impacts) {
     return line + '\n';
 }
 
-/// `first`: first impact of a step; null for a frame.
+/// Returns a row of a .csv table. `first`: first impact of a step; null if the row is a frame.
 std::string csv_row(const std::string& frame, const Statistics& s, const FirstImpact* first) {
     std::string line = quoted(frame) + fmt::format(",{},{}", s.triangles, s.pairs);
     if (first) line += first->found ? fmt::format(",{}", first->toi) : ",";
@@ -34,7 +34,7 @@ std::string csv_row(const std::string& frame, const Statistics& s, const FirstIm
     return line + '\n';
 }
 
-/// Rounds to microseconds, the resolution of clocks.
+/// Rounds to whole microseconds.
 double rounded(double milliseconds) { return std::round(milliseconds * 1000) / 1000; }
 
 std::string json_row(const std::string& frame, const Statistics& s, const FirstImpact* first) {

@@ -16,7 +16,7 @@
 
 namespace crumple::cli {
 
-/// Table as CSV or JSON, whose rows are flushed one by one. A file appears only when it is finished.
+/// Table as CSV or JSON. Each row is flushed when it is added. A file appears only when finish() is called.
 class Table {
    public:
     /// Writes to a file. `impacts`: rows are steps from one frame to the next.
@@ -24,17 +24,18 @@ class Table {
     /// Writes to a stream, which must outlive the table.
     Table(std::ostream& out, bool json, bool impacts) : out_(&out), json_(json), impacts_(impacts) {}
 
-    /// Adds a row. `first`: first impact of a step; ignored for frames. Throws Error (file) if the file cannot be made.
+    /// Adds a row. `first`: first impact of a step; ignored if rows are frames. Throws Error (file) if the file cannot be
+    /// created.
     void add(const std::string& frame, const Statistics& statistics, const FirstImpact& first = {});
-    /// True if everything could be written so far.
+    /// True if all rows so far could be written.
     bool well() const { return !out_ || *out_; }
-    /// Completes the table; a table without rows is not written. Throws Error (file) if the file could not be written.
+    /// Completes the table. Writes nothing if it has no rows. Throws Error (file) if the file could not be written.
     void finish();
-    /// Ends the table after a failure: completes the rows on a stream, and leaves a file unchanged.
+    /// Ends the table after a failure: on a stream, makes the rows so far a complete table; leaves a file unchanged.
     void give_up();
 
    private:
-    std::string path_;  ///< empty: a stream
+    std::string path_;  ///< empty if the table is written to a stream
     std::unique_ptr<io::AtomicFile> file_;
     std::ostream* out_ = nullptr;
     void end_rows();
@@ -43,15 +44,16 @@ class Table {
     std::size_t count_ = 0;
 };
 
-/// Coloured frames: .ply and .obj files are numbered and written at once, a .glb holds all of them and is written at
-/// the end. Throws as io::write_coloured and io::ColouredAnimation do.
+/// Coloured frames. As .ply or .obj, each frame is a numbered file, which add() writes. As .glb, all frames are one
+/// animation, which finish() writes. Throws as io::write_coloured and io::ColouredAnimation do.
 class Pictures {
    public:
-    /// `outputs`: files. `stream`: receives an animation; may be null, and must outlive the pictures.
+    /// `outputs`: paths of .ply, .obj and .glb files. `stream`: also receives an animation; may be null, otherwise it must
+    /// outlive this object. `frames`: number of frames, which determines the digits of file numbers.
     Pictures(const std::vector<std::string>& outputs, std::ostream* stream, std::size_t frames);
 
     void add(const Input& input, const Intersections& found);
-    /// Writes the animations, unless no frame was added.
+    /// Writes the animations. Writes nothing if no frame was added.
     void finish();
 
    private:

@@ -22,12 +22,12 @@ namespace crumple::cli {
 namespace {
 
 struct Comparison {
-    std::vector<Pair> missing, extra, repeated;  // repeated: each pair once, however often it is listed
+    std::vector<Pair> missing, extra, repeated;  // `repeated` has each pair once, no matter how often it is listed
 
     bool right() const { return missing.empty() && extra.empty() && repeated.empty(); }
 };
 
-/// Compares a list, in any order, with the right one. For one mesh, (i, j) and (j, i) are the same pair.
+/// Compares a list of pairs, in any order, with the right list. For one mesh, (i, j) and (j, i) are the same pair.
 Comparison compare(std::vector<Pair> list, const Array<Pair>& right, bool one_mesh) {
     if (one_mesh) {
         for (Pair& pair : list) pair = {std::min(pair.a, pair.b), std::max(pair.a, pair.b)};
@@ -45,7 +45,7 @@ Comparison compare(std::vector<Pair> list, const Array<Pair>& right, bool one_me
 }
 
 struct Verify {
-    std::vector<std::string> files;  // meshes, then the list
+    std::vector<std::string> files;  // one mesh or two, then the list
     std::string format;
     QueryOptions query_options;
     Options options;

@@ -20,24 +20,25 @@ using io::FeatureRow;
 
 constexpr auto features_of = [](const auto& row) { return std::tie(row.kind, row.bodies, row.ids); };
 
-/// Key of values: contact at the start comes before a later one with the same float64 value.
+/// Returns a key that orders rows by time or distance. Of rows with equal values, those with the flag (contact at the
+/// start of the step) come first.
 auto value_of(const FeatureRow& row) { return std::tuple(row.value, !row.flag); }
 
-/// A row of the list with a wrong value, and the right one.
+/// Row of the list with a wrong value, and the same row with the right value.
 struct Wrong {
     FeatureRow listed, right;
 };
 
-/// Words for what is listed.
+/// Words for messages about one kind of list: what is listed, and adjectives for values that are too large or too small.
 struct Words {
     const char *what, *larger, *smaller;
-    bool flags;  ///< lists of text have flags
+    bool flags;  ///< lists in .txt have flags, so wrong flags are reported
 };
 constexpr Words of_impacts{"impacts", "late", "early", true},
     of_triangle_pairs{"pairs of triangles", "late", "early", true}, of_near{"near pairs", "far", "close", false};
 
 int print_verdict(const io::FeatureList& list, const io::FeatureList& right_list, const Words& words, bool has_bodies) {
-    std::vector<Wrong> larger, smaller;  // than they should be
+    std::vector<Wrong> larger, smaller;  // rows whose listed value is larger, smaller than the right one
     const auto comparison =
         compare_rows(list.rows, right_list.rows, features_of, [&](FeatureRow listed, const FeatureRow& exact) {
             if (!words.flags) listed.flag = exact.flag;
@@ -51,7 +52,7 @@ int print_verdict(const io::FeatureList& list, const io::FeatureList& right_list
                            larger.size(), words.larger, smaller.size(), words.smaller, comparison.repeated.size());
         const auto text = [&](const FeatureRow& row) { return text_of(row, has_bodies); };
         const auto with_right = [&](const Wrong& row) {
-            const bool same = row.listed.value == row.right.value;  // then the flag is wrong
+            const bool same = row.listed.value == row.right.value;  // if the values are equal, the flag is wrong
             return text(row.listed) + fmt::format(", it is {}", row.right.value) +
                    (!same            ? ""
                     : row.right.flag ? " at the start"
@@ -81,7 +82,8 @@ int print_verdict(const io::CandidateRows& list, const io::CandidateRows& right_
     return right ? done : collided;
 }
 
-/// Reads a list by read_file(path), or by read_stream(in, name) for standard input.
+/// Reads a list by read_file(path), or by read_stream(in, name) if it comes from standard input. Checks that `format` is
+/// given only for standard input, and that ids name files if and only if there are two.
 template <class ReadFile, class ReadStream>
 auto read_list(const std::string& path, const std::string& format, bool two_files, ReadFile read_file,
                ReadStream read_stream) {
@@ -100,7 +102,7 @@ int verify_impacts(const FeatureCheck& check, const std::vector<std::string>& fi
         files.back(), format, false, [](const auto& path) { return io::read_impacts(path); },
         [](auto& in, const auto& name) { return io::read_impacts(in, name); });
     const MovingInput input = read_moving_input(files[0], files[1], query_options);
-    // A list has features, pairs of triangles, or both.
+    // A list may have rows of features, rows of pairs of triangles, or both. Only what it has is searched for.
     const auto is_of_triangles = [](const FeatureRow& row) { return row.kind == CandidateKind::face_face; };
     const bool of_triangles = std::any_of(list.rows.begin(), list.rows.end(), is_of_triangles);
     const bool of_features = !of_triangles || !std::all_of(list.rows.begin(), list.rows.end(), is_of_triangles);

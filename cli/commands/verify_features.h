@@ -18,13 +18,13 @@ struct FeatureCheck {
     std::vector<const CLI::Option*> of_candidates;  ///< options that need --candidates
 
     bool any() const { return impacts || candidates || near.radius; }
-    /// True if a list of impacts, candidates or near pairs is to be checked. Throws Error (invalid_argument) for
-    /// options that do not go together.
+    /// True if the options request a check of a list of impacts, candidates or near pairs. Throws Error
+    /// (invalid_argument) if options conflict.
     bool is_requested(const QueryOptions& query_options) const;
 };
 void add_feature_check_options(CLI::App& app, FeatureCheck& check);
 
-/// Prints what is wrong with the list, the last of the files, and returns the exit status.
+/// Checks the list, which is the last of `files`. Prints what is wrong with it and returns the exit status.
 int verify_features(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
                     const QueryOptions& query_options, const Options& options);
 

@@ -17,15 +17,16 @@ namespace {
 
 using io::OverlapListRow;
 
-/// A row of the list that is wrong, and the right one.
+/// Row of the list with wrong contents, and the same row with the right contents.
 struct WrongOverlap {
     OverlapListRow listed, right;
 };
 
-/// True if both numbers are equal, or both are NaN. Ignores the sign of 0, which JSON does not keep.
+/// True if both numbers are equal, or both are NaN. Ignores the sign of 0, which is lost in JSON.
 bool is_same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// Describes the first quantity that differs: "volume 0.5, it is 0.25"; empty if none does.
+/// Describes the first quantity that differs, with the listed and the right number: "volume 0.5, it is 0.25". Returns an
+/// empty text if none differs.
 std::string difference(const WrongOverlap& row) {
     std::size_t place = 0;
     for (const io::OverlapQuantity& quantity : io::overlap_quantities) {
@@ -79,7 +80,7 @@ bool OverlapCheck::is_requested(const FeatureCheck& features, const QueryOptions
         if (*option && !overlaps) refuse(option->get_name() + " needs --overlaps");
     if (!overlaps) return false;
     if (features.any()) refuse("--impacts, --candidates, --radius and --overlaps are of four queries");
-    (void)features.is_requested(query_options);  // throws for options that need --impacts and so on
+    (void)features.is_requested(query_options);  // throws if an option is given that needs --impacts and so on
     refuse_beside_features("--overlaps", query_options);
     if (!query_options.groups.empty()) refuse("--groups does not go with --overlaps, which are those of bodies");
     if (query_options.filter) refuse("--filter does not go with --overlaps, which are between bodies");

@@ -15,13 +15,12 @@ struct OverlapCheck {
     OverlapOptions options;
     std::vector<const CLI::Option*> of_overlaps;  ///< options that need --overlaps
 
-    /// True if a list of overlaps is to be checked. Throws Error (invalid_argument) for options that do not go
-    /// together.
+    /// True if the options request a check of a list of overlaps. Throws Error (invalid_argument) if options conflict.
     bool is_requested(const FeatureCheck& features, const QueryOptions& query_options) const;
 };
 void add_overlap_check_options(CLI::App& app, OverlapCheck& check);
 
-/// Prints what is wrong with the list, the last of the files, and returns the exit status.
+/// Checks the list, which is the last of `files`. Prints what is wrong with it and returns the exit status.
 int verify_overlaps(const OverlapCheck& check, const std::vector<std::string>& files, const std::string& format,
                     const QueryOptions& query_options, const Options& options);
 

@@ -15,13 +15,14 @@
 namespace crumple::cli {
 namespace {
 
-/// Mesh of which each rank has a block, and its positions at the end of a step, if any.
+/// Block of a mesh that this rank has read. `end`: for a step, the block of the mesh at the end of the step.
 struct SharedMesh : io::MeshSlice {
     std::optional<io::TriangleMesh> end;
 };
 
-/// Reads one block on each rank. Returns nothing on all ranks if some rank cannot read the file in slices, because it
-/// has another format, is a pipe, or is not accessible from all ranks. Throws Error for errors in a block.
+/// Collective. Reads one block of a file on each rank. Returns nothing on all ranks if some rank cannot read the file in
+/// slices: because the file has another format or is a pipe, or because not all ranks can open it. Throws the same Error
+/// on all ranks if a block has an error.
 std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file, const QueryOptions& query_options,
                                         bool for_features) {
     std::optional<io::MeshSlice> slice;
@@ -29,7 +30,7 @@ std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file,
     try {
         io::ReadOptions how = read_options(query_options);
         how.group_property = query_options.groups;
-        // Groups in a file of their own have no rows of known length.
+        // If --groups names a file, it is text, which cannot be read in slices.
         if (!is_standard(file) && (query_options.groups.empty() || !std::filesystem::exists(query_options.groups)))
             slice = io::read_slice(file, how, link.rank(), link.ranks());
     } catch (...) {
@@ -44,7 +45,8 @@ std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file,
     return slice;
 }
 
-/// Reads all files in slices, or none. Files of a step that do not match are left to rank 0, which reports why.
+/// Collective. Reads all files in slices. Returns nothing if that is impossible for one of them, or if the two files of a
+/// step do not match: rank 0 then reads both and reports why.
 std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::string>& files, QueryOptions query_options,
                                       bool for_features) {
     std::optional<io::MeshSlice> slice = read_slice(link, files[0], query_options, for_features);
@@ -58,7 +60,8 @@ std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::str
     return SharedMesh{std::move(*slice), std::move(end->mesh)};
 }
 
-/// Reads all files on rank 0, which distributes blocks of triangles and keeps all vertices.
+/// Collective. Reads all files on rank 0, and distributes blocks of triangles. All vertices stay on rank 0 until
+/// with_vertices().
 SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,
                          const QueryOptions& reading) {
     const bool moves = files.size() > 1;
@@ -86,8 +89,8 @@ SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, 
     return mesh;
 }
 
-/// Returns the numbers of the vertices of a rank, ascending: those of its block, so that every vertex is on some rank,
-/// and those of its triangles.
+/// Returns the ids of the vertices that a rank needs, ascending: the vertices [begin, end) of its own block, so that every
+/// vertex is on some rank, and the corners of its triangles.
 std::vector<std::int64_t> numbers_of_vertices(std::span<const std::int32_t> corners, std::int64_t begin,
                                               std::int64_t end) {
     std::vector<std::int64_t> named, block(static_cast<std::size_t>(end - begin)), all;
@@ -104,8 +107,9 @@ struct VertexRequest {
     std::int32_t vertex, rank;
 };
 
-/// Replaces the coordinates that a rank has read by those of the vertices that it has requested. `requests`: all
-/// ranks' requests for vertices that this rank has read. `first`: number of the first vertex that it has read.
+/// Collective. Replaces the vertices of `mesh`, which this rank has read, by the vertices that it has requested.
+/// `requests`: requests of all ranks for vertices that this rank has read. `first`: id of the first vertex that it has
+/// read.
 void fetch(RankLink& link, const std::vector<VertexRequest>& requests, std::int64_t first, io::TriangleMesh& mesh) {
     const bool doubles = link.largest(std::holds_alternative<std::vector<double>>(mesh.vertices));
     if (doubles && mesh.vertex_count() == 0) mesh.vertices.emplace<std::vector<double>>();
@@ -124,7 +128,7 @@ void fetch(RankLink& link, const std::vector<VertexRequest>& requests, std::int6
         mesh.vertices);
 }
 
-/// Fetches the vertices that a rank needs, and converts corners to indices of these.
+/// Collective. Fetches the vertices that this rank needs, and converts corners from ids to indices of these vertices.
 RankInput with_vertices(RankLink& link, SharedMesh mesh) {
     io::Blocks blocks = mesh.vertices;
     blocks.readers = link.ranks();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Local mesh of each rank: a block of the file's triangles, with the vertices that they name.
+// Local mesh of each rank (MPI process): a block of the file's triangles, with their vertices.
 
 #include <cstdint>
 #include <optional>
@@ -16,20 +16,20 @@
 namespace crumple::cli {
 
 struct RankInput {
-    io::TriangleMesh mesh;                 ///< corners are indices of its vertices
-    std::optional<io::TriangleMesh> end;   ///< for a step: the same vertices at its end
-    std::vector<std::int64_t> vertex_ids;  ///< over all ranks, ascending
-    bool has_copies = false;               ///< true if any rank has vertices of another one's block
+    io::TriangleMesh mesh;                 ///< local mesh; corners are indices of its own vertices
+    std::optional<io::TriangleMesh> end;   ///< for a step: the same vertices at the end of the step
+    std::vector<std::int64_t> vertex_ids;  ///< index in the file of each local vertex, ascending
+    bool has_copies = false;               ///< true if any rank has vertices of another rank's block
     io::Blocks triangles;                  ///< blocks of all ranks
-    bool weld = false;                     ///< vertices at equal positions must be welded
+    bool weld = false;                     ///< the search must weld vertices at equal positions
 
     MeshShare share() const;
 };
 
-/// Collective. Reads a mesh, or for two files one mesh at the start and at the end of a step. Each rank reads its rows
-/// of files that are binary PLY of triangles or binary STL; rank 0 reads and distributes other files and standard
-/// input. If `for_features`, it also does so for files whose vertices are welded on reading, since results contain the
-/// numbers of welded vertices. Throws the same Error on all ranks, also for lines and points.
+/// Collective. Reads a mesh or, for two files, one mesh at the start and at the end of a step. Each rank reads its own
+/// rows of files that are binary PLY of triangles or binary STL. Rank 0 reads and distributes other files and standard
+/// input. If `for_features`, rank 0 also reads files whose vertices are welded on reading, because results of features
+/// contain ids of welded vertices. Throws the same Error on all ranks. Lines and points are errors.
 RankInput read_on_ranks(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,
                         bool for_features);
 

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::int64_t bytes_at_a_time = std::int64_t{1} << 26;
 
-/// Returns a duplicate of MPI_COMM_WORLD. It is left to MPI_Finalize, since freeing it is collective, and after an
+/// Returns a duplicate of MPI_COMM_WORLD, which is not freed before MPI_Finalize: freeing is collective, and after an
 /// error no rank may wait for the others.
 MPI_Comm duplicate_of_world() {
     MPI_Comm own = MPI_COMM_NULL;
@@ -19,7 +19,7 @@ MPI_Comm duplicate_of_world() {
 }  // namespace
 
 RankLink::RankLink() : transport_(duplicate_of_world()), rounds_(transport_, bytes_at_a_time), agreement_(transport_) {
-    rounds_.reserve();  // so that none of its calls fails on one rank alone
+    rounds_.reserve();  // allocates now, so that no exchange fails on one rank only
 }
 
 std::string RankLink::text_of_first(std::string text) {

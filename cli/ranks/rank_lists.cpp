@@ -22,14 +22,14 @@ void assign(Array<Value>& array, const std::vector<Value>& values) {
     std::copy(values.begin(), values.end(), array.resize_discard(values.size()));
 }
 
-/// Row of one kind of features, as it is sent.
+/// Row of one kind of feature pairs, in the form in which it is sent between ranks.
 struct TravellingRow {
-    Pair pair;           ///< features, by their numbers over all ranks
-    io::FeatureRow row;  ///< the row as it is written: edges by their vertices
+    Pair pair;           ///< the two features, by their ids over all ranks
+    io::FeatureRow row;  ///< the row as it is written, in which vertices identify edges
 };
 using RowsByKind = std::array<std::vector<TravellingRow>, feature_kinds>;
 
-/// Returns the rows that a rank has found. `value`, `flag`: members of the list.
+/// Returns the rows that this rank has found. `value`, `flag`: pointers to the members of a list with its values and flags.
 template <auto value, auto flag, class Found>
 std::vector<TravellingRow> rows_of(const Found& found, std::size_t kind) {
     const auto ends_of = [ids = found.edge_ids.span(), &found](std::int32_t edge) {
@@ -51,8 +51,9 @@ std::vector<TravellingRow> rows_of(const Found& found, std::size_t kind) {
     return rows;
 }
 
-/// Collective. Sorts the rows over all ranks. A rank has found the rows whose first feature its triangles own, but
-/// lists are in the order of feature numbers, so rows are redistributed: each rank gets a range of first features.
+/// Collective. Sorts the rows of all ranks together. A rank has found the rows whose first feature its triangles own, but
+/// lists are in the order of feature ids. So rows are redistributed: each rank gets the rows whose first feature is in
+/// its range of ids.
 template <auto value, auto flag, class Found>
 RowsByKind rows_in_order(RankLink& link, const Found& found) {
     RowsByKind by_kind;
@@ -68,8 +69,8 @@ RowsByKind rows_in_order(RankLink& link, const Found& found) {
     return by_kind;
 }
 
-/// Collective. Returns each edge of all triangles once, on rank 0, in the order in which a single process numbers
-/// edges.
+/// Collective. Returns on rank 0 all edges of the triangles of all ranks, each once, in the order in which a single
+/// process numbers edges.
 std::vector<Edge> edges_of_all(RankLink& link, const RankInput& input) {
     const auto over_all_ranks = [&](std::int32_t vertex) {
         return static_cast<std::int32_t>(input.vertex_ids[static_cast<std::size_t>(vertex)]);

@@ -12,16 +12,17 @@
 
 namespace crumple::cli {
 
-/// A rank's rows of a result, in the order of the whole list. Refers to the input and the result.
+/// Rows of a result that this rank writes, in the order of the whole list. Refers to the input and the result, which must
+/// outlive it.
 template <class Result>
 struct RankList {
     io::RowTable table;
     RankSections sections;
-    /// Collective. Returns the lists of all ranks on rank 0; the others get none.
+    /// Collective. Returns the whole list on rank 0, and an empty one on the other ranks.
     std::function<Result()> collect;
 };
 
-// Collective:
+// Collective. Return the rows of a result that this rank writes.
 RankList<Intersections> list_of(RankLink& link, const RankInput& input, const IntersectionQuery& query,
                                 const DistributedIntersections& found);
 RankList<Impacts> list_of(RankLink& link, const RankInput& input, const ImpactQuery& query,
@@ -29,7 +30,7 @@ RankList<Impacts> list_of(RankLink& link, const RankInput& input, const ImpactQu
 RankList<Proximities> list_of(RankLink& link, const RankInput& input, const ProximityQuery& query,
                               const DistributedProximities& found);
 
-/// Collective. Returns the number of triangles of all ranks that are in some pair.
+/// Collective. Returns the number of triangles, over all ranks, that are part of some pair.
 std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, io::Blocks triangles);
 
 }  // namespace crumple::cli

@@ -28,7 +28,7 @@
 namespace crumple::cli {
 namespace {
 
-/// Throws Error (invalid_argument) for options that are not supported on ranks, or do not go together.
+/// Throws Error (invalid_argument) if an option is not supported for several ranks, or if options conflict.
 void check_options(const SearchCommand& command) {
     if (command.query_options.of_bodies()) refuse_on_ranks("--groups bodies");
     if (command.query_options.groups == "components") refuse_on_ranks("--groups components");
@@ -44,8 +44,8 @@ void check_options(const SearchCommand& command) {
     check_cost_options(command.options);
 }
 
-/// Returns the error without its rank where the rank does not matter: a file is invalid on any rank, and rank 0 does
-/// what a single process would do.
+/// Returns the error without "rank 3: " in its message if the rank does not matter: for errors of rank 0, which does what
+/// a single process would do, and for errors in a file's contents, which do not depend on the rank.
 Error as_of_one_process(const Error& error) {
     const std::string who = "rank " + std::to_string(error.rank) + ": ", message = error.what();
     if (!message.starts_with(who) || (error.rank > 0 && error.code != ErrorCode::format)) return error;
@@ -55,7 +55,7 @@ Error as_of_one_process(const Error& error) {
     return plain;
 }
 
-/// Aborts all ranks because of an error that was thrown on this rank only.
+/// Prints the message and aborts all ranks. For errors that were thrown on this rank only: the others would wait forever.
 [[noreturn]] void abort_all_ranks(const char* message, int status) {
     be_silent(false);
     print_error(message);
@@ -68,7 +68,7 @@ void print_phases(mpi::Detector& detector, const Steps& steps) {
     using Clock = std::chrono::steady_clock;
     detector.set_progress([&steps, last = Clock::time_point()](const DistributedProgress& progress) mutable {
         const bool begins = progress.parts_done == 0;
-        // Prints at most once a second: a part may take minutes, or no time.
+        // Prints the number of parts at most once a second: a part may take minutes, or almost no time.
         if (!begins && Clock::now() - last < std::chrono::seconds(1)) return;
         last = Clock::now();
         steps.begin(begins ? std::string(phase_name(progress.phase))
@@ -77,7 +77,7 @@ void print_phases(mpi::Detector& detector, const Steps& steps) {
     });
 }
 
-/// Remark of --stats on a result, and its summary.
+/// Description of a result: the remark in the table of --stats, and the summary.
 struct Description {
     std::string remark, summary;
 };
@@ -105,9 +105,9 @@ Description description_of(RankLink& link, const Query& query, const typename Qu
     }
 }
 
-/// Writes a list to all outputs, or prints it if there are none. Text is written by all ranks. Other formats, and text
-/// if `by_first`, are written by rank 0 from the collected result, after complete() has set the members that the lists
-/// do not determine.
+/// Collective. Writes a list to all outputs, or prints it if there are none. All ranks write .txt and .csv together,
+/// unless `by_first`. Rank 0 writes other formats, and with `by_first` all formats, from the collected result, after
+/// complete(result) has set the members that do not follow from the rows.
 template <class Result>
 void write(RankLink& link, const ListOutputs& outputs, const RankList<Result>& list, bool by_first,
            const std::function<void(Result&)>& complete) {

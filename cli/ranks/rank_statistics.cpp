@@ -13,7 +13,7 @@
 namespace crumple::cli {
 namespace {
 
-/// Reduces times as integers, so that the order of the ranks does not matter.
+/// Reduces times over all ranks, as whole nanoseconds: sums of integers do not depend on the order of the ranks.
 void reduce_times(RankLink& link, std::span<double> milliseconds, distribute::Reduction how) {
     constexpr double per_millisecond = 1e6;
     std::vector<std::int64_t> times;

@@ -10,11 +10,11 @@
 
 namespace crumple::cli {
 
-/// Collective. Returns sums over all ranks, and maxima of wall-clock times and peak memory. `mine.search.threads`:
-/// threads of this rank.
+/// Collective. Returns sums over all ranks of counts and stage times, and maxima of wall-clock times and peak memory.
+/// `mine.search.threads`: number of threads of this rank.
 DistributedStatistics total(RankLink& link, DistributedStatistics mine);
 
-/// Prints the table of --stats to standard error of rank 0, with this remark on the pairs.
+/// Prints the table of --stats to standard error, with `remark` beside the number of pairs. Only rank 0 prints.
 void print_statistics(const RankLink& link, const DistributedStatistics& totals, const std::string& remark);
 
 }  // namespace crumple::cli

@@ -20,7 +20,7 @@
 namespace crumple::cli {
 namespace {
 
-/// Texts of this rank, and the positions of the texts of all ranks in the file.
+/// The text of each section that this rank writes, and the positions of the texts of all ranks in the file.
 class RankTexts {
    public:
     RankTexts(RankLink& link, const io::RowTable& table, const RankSections& sections, bool csv) : link_(link) {
@@ -42,7 +42,8 @@ class RankTexts {
         std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
     }
 
-    /// Collective. Sends all texts, one after the other, to rank 0, which writes them. Only writing may fail.
+    /// Collective. Sends all texts to rank 0, in the order of the file, and rank 0 writes them to `out`. Does not throw if
+    /// writing fails: check the state of `out`.
     void write_by_first(std::ostream& out) const {
         for (std::size_t section = 0; section < texts_.size(); ++section)
             for (int rank = 0; rank < link_.ranks(); ++rank) {
@@ -60,7 +61,8 @@ class RankTexts {
                     });
             }
     }
-    /// Writes this rank's own texts, and closes the file. Throws Error that names the target.
+    /// Writes this rank's own texts to their positions, and closes the file. Throws Error that names `target` if that
+    /// fails.
     void write_own(std::fstream& file, const std::string& target) const {
         errno = 0;
         for (std::size_t section = 0; section < texts_.size() && file; ++section)
@@ -80,7 +82,7 @@ class RankTexts {
 
     RankLink& link_;
     std::vector<std::string> texts_;
-    std::vector<std::int64_t> begins_;  ///< position of each rank's text, section by section; then the end
+    std::vector<std::int64_t> begins_;  ///< position of the text of each rank, section by section; then the end
 };
 
 }  // namespace

@@ -1,13 +1,14 @@
 #pragma once
 
-// MPI processes that a launcher has started, which search together. A build without CRUMPLE_MPI (ranks_none.cpp), or a
-// process that no launcher has started, runs alone.
+// Ranks: MPI processes that a launcher has started, which search together. A process runs alone if no launcher has started
+// it, or if the build has no CRUMPLE_MPI (ranks_none.cpp).
 
 #include <string>
 
 namespace crumple::cli {
 
-/// Initialises MPI at the beginning of the program, and finalises it at the end. All ranks but rank 0 print nothing.
+/// Initialises MPI in its constructor, finalises it in its destructor, and suppresses the output of all ranks but rank 0.
+/// Create one at the beginning of the program.
 class Ranks {
    public:
     Ranks(int& argument_count, char**& arguments);
@@ -18,7 +19,7 @@ class Ranks {
     static int count();
 };
 
-/// Throws Error (invalid_argument): "WHAT is not shared among ranks".
+/// Throws Error (invalid_argument): "WHAT is not shared among ranks: run it in one process".
 [[noreturn]] void refuse_on_ranks(const std::string& what);
 
 }  // namespace crumple::cli

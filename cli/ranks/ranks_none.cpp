@@ -1,4 +1,4 @@
-// Stubs for a build without MPI, where each process runs alone.
+// Stubs of ranks.h and rank_search.h for a build without MPI, in which each process runs alone.
 
 #include "cli/ranks/rank_search.h"
 #include "cli/ranks/ranks.h"

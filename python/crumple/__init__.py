@@ -22,7 +22,7 @@ Examples
     world = crumple.World([arm, table], worlds=[0, -1])               # bodies, poses, many configurations at once
     detector.any(world)                                               # any(scene, query), find(scene, query)
 
-    crumple.first_impact(vertices, next_vertices, faces)              # of straight motions: .toi, or None
+    crumple.first_impact(vertices, next_vertices, faces)              # of a step: its time is .toi; None if it is free
     detector.proximities(vertices, faces, radius=0.01)                # features within a distance
     detector.distances(world).squared_distance                        # of each pair of bodies
 """
@@ -32,7 +32,7 @@ from __future__ import annotations
 import functools as _functools
 from typing import Any as _Any
 
-from . import _versions  # noqa: F401, first: it refuses two installed distributions
+from . import _versions  # noqa: F401, imported first: raises ImportError if two distributions are installed
 from ._core import Part, Statistics, __version__
 from ._detector import Detector
 from ._device import DeviceArray as DeviceArray
@@ -78,7 +78,7 @@ from ._world import Body, World
 
 
 def _of_one_call(method: _Any) -> _Any:
-    """Returns a function with the name, arguments and errors of a method, on a detector that lives for the call."""
+    """Returns a function with the name and arguments of a method of Detector. Each call makes a detector of its own."""
 
     @_functools.wraps(method)
     def call(*scene: _Any, **options: _Any) -> _Any:
@@ -101,7 +101,7 @@ candidates = _of_one_call(Detector.candidates)
 distances = _of_one_call(Detector.distances)
 overlaps = _of_one_call(Detector.overlaps)
 
-#: Functions, and classes that callers construct. Classes that are only returned, such as Contacts, are attributes.
+#: Functions, and classes that callers construct. Other classes, such as Contacts, are attributes of the module, too.
 __all__ = [
     "BackendUnavailable",
     "Body",

@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def main() -> None:
-    """Replaces this process with the command line, which then owns exit status, signals and pipes."""
+    """Replaces this process with the command line program, so that exit status, signals and pipes are the program's."""
     program = str(Path(__file__).with_name("crumple"))
     if not os.access(program, os.X_OK):
         sys.exit(f"crumple: the command line is missing from this installation: {program}")

@@ -1,9 +1,9 @@
 """Conversion of arrays that the library cannot read in place.
 
-The extension module reads arrays in place where it can (python/src/arrays.h). It calls these functions for all others:
-Python lists, foreign byte orders, narrow and unsigned integers, and invalid input. They convert an array if nothing is
-lost, and otherwise raise InvalidInput or InvalidType with its name. The parameter `which` is a prefix of that name,
-such as "first mesh: ".
+The extension module reads arrays in place if it can (python/src/arrays.h). It calls these functions for all others:
+Python lists, foreign byte orders, narrow and unsigned integers, and invalid input. The functions convert an array if no
+value changes, and otherwise raise InvalidInput or InvalidType, which names the array. The parameter `which` is a prefix
+of that name, such as "first mesh: ".
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ import numpy as np
 
 from ._errors import InvalidInput, InvalidType
 
-# DLPack's device types: those that a CPU can read, those that the cuda backend reads in place, and names of others.
+# DLPack's device types: types of memory that a CPU can read, types that the cuda backend reads in place, and names of
+# some others for messages.
 _HOST = {1, 3, 11}
 _CUDA = {2, 13}
 _DEVICES = {4: "OpenCL", 7: "Vulkan", 8: "Metal", 10: "ROCm", 14: "oneAPI"}
@@ -25,7 +26,7 @@ _TO_HOST = "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.devic
 def _kind_of_device(device: Any, name: str) -> int:
     try:
         kind = device()[0]
-        return int(getattr(kind, "value", kind))  # Open3D's enumerators are not integers
+        return int(getattr(kind, "value", kind))  # Open3D returns an enumerator that is no integer
     except Exception as error:
         raise InvalidType(f"{name} do not tell where they lie, by __dlpack_device__: {error}") from error
 
@@ -42,7 +43,7 @@ def _refuse_mask(array: Any, name: str, **place: Any) -> None:
         )
 
 
-# Name of each kind of array in messages, and name of one of its elements.
+# For each kind of array: its name in messages, and the name of one of its elements.
 _NAMES = {
     "vertices": ("vertices", "vertex"),
     "end_vertices": ("end vertices", "vertex"),
@@ -61,21 +62,21 @@ _NAMES = {
 
 
 def refuse_masked(array: Any, kind: str, which: str) -> None:
-    """Raises InvalidInput for an array with masked values; for arrays that are read in place."""
+    """Raises InvalidInput if a NumPy array, of a subclass of ndarray that is read in place, has masked values."""
     name, element = _NAMES[kind]
     _refuse_mask(array, f"{which}{name} are", element=element)
 
 
 def lies_in_cuda_memory(array: Any) -> bool:
-    """True if `__dlpack_device__` names CUDA memory; False without that method."""
+    """True if `__dlpack_device__` reports CUDA memory; False if the array has no such method."""
     try:
         return _kind_of_device(array.__dlpack_device__, "") in _CUDA
-    except Exception:  # host_array reports it, if the array cannot be read otherwise
+    except Exception:  # host_array raises an error later, unless the array can be read in another way
         return False
 
 
 def refuse_failed_dlpack(error: BaseException, stream: int, kind: str, which: str) -> None:
-    """Raises an error that names the array, from an exception that its `__dlpack__` has raised."""
+    """Raises an error that names the array, with the exception that its `__dlpack__` has raised as the cause."""
     if not isinstance(error, Exception):
         raise error
     name = f"{which}{_NAMES[kind][0]}"
@@ -87,7 +88,10 @@ def refuse_failed_dlpack(error: BaseException, stream: int, kind: str, which: st
 
 
 def refuse_unannounced_cuda_memory(kind: str, which: str) -> None:
-    """Raises InvalidInput for an array in CUDA memory whose `__dlpack__` was called without a stream."""
+    """Raises InvalidInput for an array in CUDA memory whose `__dlpack_device__` did not report CUDA memory.
+
+    Its `__dlpack__` was therefore called without a stream, so the array may not be ready.
+    """
     name = f"{which}{_NAMES[kind][0]}"
     raise InvalidInput(
         f"{name} lie in CUDA memory, but have no __dlpack_device__ that says so, and cannot be made ready on a stream"
@@ -106,7 +110,7 @@ def _length(row: Any) -> int | None:
 
 
 def _ragged(rows: Any) -> str:
-    """Describes two rows of unequal length; returns "" if there are none."""
+    """Returns a description of two rows of unequal length, or "" if all rows have the same length."""
     lengths = [_length(row) for row in rows]
 
     def told(i: int) -> str:
@@ -117,7 +121,7 @@ def _ragged(rows: Any) -> str:
 
 
 def _what_objects(array: Any, objects: np.ndarray) -> str:
-    """Describes what an array of Python objects contains instead of numbers."""
+    """Returns the end of a message: what an array of Python objects contains instead of numbers."""
     if objects.ndim == 0:
         return f"not {_name_of_type(array)}"
     if objects.ndim == 1 and any(_length(row) is not None for row in objects):
@@ -142,7 +146,8 @@ def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
     name : str
         Name of the array in messages.
     in_place : str, default ""
-        Layout that the cuda backend reads in place, for messages about arrays in CUDA memory.
+        Shape and type that the cuda backend reads in place, for messages about arrays in CUDA memory; "" if it reads
+        none.
 
     Returns
     -------
@@ -185,7 +190,7 @@ def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
 
 
 def _triangles(array: np.ndarray, name: str) -> np.ndarray:
-    """Returns (m, 3) faces from (m, 3) or flat ones. Refuses cells that are preceded by their sizes."""
+    """Returns faces as (m, 3), from (m, 3) or flat indices. Refuses flat cells that are preceded by their size, 3."""
     if array.ndim != 1:
         return _rows(array, 3, name)
     if len(array) and len(array) % 4 == 0 and (array[::4] == 3).all():
@@ -227,7 +232,7 @@ def _integers(array: Any, name: str, in_place: str = "") -> np.ndarray:
 
 
 def _positions(array: Any, name: str, in_place: str = "") -> np.ndarray:
-    """Returns (n, 3) float32 or float64 in native byte order, contiguous and aligned."""
+    """Returns positions as (n, 3) float32 or float64 in native byte order, contiguous and aligned."""
     result = _rows(host_array(array, name, in_place), 3, name)
     if _is_sequence(array) and result.dtype.kind in "iu":
         result = result.astype(np.float64)
@@ -267,7 +272,7 @@ def radii(array: Any, which: str) -> np.ndarray:
 
 
 def faces(array: Any, which: str) -> np.ndarray:
-    """Converts faces, (m, 3) or flat, to (m, 3) int64. Refuses indices that int64 cannot hold."""
+    """Converts faces, (m, 3) or flat, to (m, 3) int64. Refuses indices that do not fit in int64."""
     name = which + "faces"
     result = _triangles(_integers(array, name, "(m, 3) or (3m) of int32, uint32 or int64"), name)
     if result.dtype.kind == "u" and result.dtype.itemsize == 8 and result.size:
@@ -304,13 +309,13 @@ def groups(array: Any, which: str) -> np.ndarray:
 
 
 def edges(array: Any, which: str) -> np.ndarray:
-    """Converts edges to (k, 2) int32, contiguous."""
+    """Converts codimensional edges to (k, 2) int32, contiguous."""
     name = which + "edges"
     return _int32(_rows(_integers(array, name, "(k, 2) of int32 without gaps"), 2, name), name, "vertex", "edge")
 
 
 def points(array: Any, which: str) -> np.ndarray:
-    """Converts points, which are indices of vertices, to (k,) int32, contiguous."""
+    """Converts codimensional points, which are indices of vertices, to (k,) int32, contiguous."""
     name = which + "points"
     result = _integers(array, name, "(k) of int32 without gaps")
     if result.ndim != 1:
@@ -319,7 +324,7 @@ def points(array: Any, which: str) -> np.ndarray:
 
 
 def _ids(array: Any, name: str) -> np.ndarray:
-    """Returns (n,) int64, contiguous. The library checks the values."""
+    """Converts ids to (n,) int64, contiguous. Does not check the values: the library does."""
     result = _integers(array, name)
     if result.ndim != 1:
         raise InvalidInput(f"{name} must have shape (n,), not {result.shape}")
@@ -329,17 +334,17 @@ def _ids(array: Any, name: str) -> np.ndarray:
 
 
 def triangle_ids(array: Any, which: str) -> np.ndarray:
-    """Converts numbers of local triangles over all ranks to (m,) int64."""
+    """Converts ids of local triangles, which count over all ranks, to (m,) int64."""
     return _ids(array, which + "triangle_ids")
 
 
 def vertex_ids(array: Any, which: str) -> np.ndarray:
-    """Converts numbers of local vertices over all ranks to (n,) int64."""
+    """Converts ids of local vertices, which count over all ranks, to (n,) int64."""
     return _ids(array, which + "vertex_ids")
 
 
 def body_ids(array: Any, which: str) -> np.ndarray:
-    """Converts numbers of local bodies over all ranks to (n,) int64."""
+    """Converts ids of local bodies, which count over all ranks, to (n,) int64."""
     return _ids(array, which + "body_ids")
 
 
@@ -360,10 +365,10 @@ def group_pairs(pairs: Any, which: str) -> np.ndarray:
     """Converts an array or an iterable of pairs of groups to (n, 2) int32."""
     name = which + "excluded_groups"
     if isinstance(pairs, Iterable) and (isinstance(pairs, dict) or not hasattr(pairs, "__getitem__")):
-        pairs = list(pairs)  # a set or a generator, which NumPy does not read
+        pairs = list(pairs)  # NumPy does not read sets and generators
     return _int32(_rows(_integers(pairs, name), 2, name), name)
 
 
 def if_given(convert: Callable[[Any, str], np.ndarray], array: Any) -> np.ndarray | None:
-    """Converts an array by a function of this module, without a prefix in messages. Returns None for None."""
+    """Returns convert(array, ""), where `convert` is a function of this module, or None if `array` is None."""
     return None if array is None else convert(array, "")

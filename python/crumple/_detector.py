@@ -46,15 +46,15 @@ class Detector(_core.Detector):
     Parameters
     ----------
     backend : {"automatic", "cpu", "cuda", "reference"}, default "automatic"
-        "automatic" chooses "cuda" if it was built and a device is available, else "cpu". "reference" is brute force in
-        rational arithmetic, for comparisons.
+        "automatic" chooses "cuda" if the cuda backend was built and a device is available, else "cpu". "reference" is
+        brute force in rational arithmetic, for comparisons.
     threads : int, default 0
-        Threads of the cpu backend, started when the detector is made; 0: as many as the machine has, which is also the
-        most that are used.
+        Number of threads of the cpu backend, which start when the detector is made. 0: as many as the machine has.
+        Larger numbers use no more than that.
     memory_limit : int, default 0
-        Bytes that the detector may own; 0: no limit. Results that Python holds are not counted. Work that exceeds the
-        limit is cut into chunks and runs on one thread. If that does not suffice, a call raises MemoryLimit with a
-        lower bound on a sufficient limit.
+        Number of bytes that the detector may own; 0: no limit. Results that Python still uses are not counted. A search
+        that exceeds the limit is cut into chunks and runs on one thread. If that does not suffice, the call raises
+        MemoryLimit with a lower bound on a sufficient limit.
     clusters : int, default 0
         Clusters of the first level of subdivision, 1 to 64; 0: chosen from the number of triangles.
     leaf_size : int, default 3000
@@ -66,15 +66,15 @@ class Detector(_core.Detector):
     device : int, default 0
         Number of the CUDA device that the cuda backend uses (list_devices).
     devices : sequence of int, optional
-        Numbers of several CUDA devices instead of `device`. They share queries about one mesh in host memory. The first
-        one runs all other queries alone and holds arrays in device memory (docs/distributed.md).
+        Numbers of several CUDA devices, instead of `device`. Together they search one mesh in host memory. The first
+        device alone runs all other queries, and arrays in device memory must be on it (docs/distributed.md).
 
     Raises
     ------
     InvalidInput
         If an option is out of range, or `__init__` is called a second time.
     BackendUnavailable
-        If this machine or build lacks the backend or instruction set.
+        If this machine or build does not have the requested backend or instruction set.
 
     Notes
     -----
@@ -93,12 +93,12 @@ class Detector(_core.Detector):
 
     Arrays are read in place if they are NumPy arrays, or support DLPack or the buffer protocol in host memory, and are
     float32 or float64, int32, uint32 or int64, with any strides. Other integers and Python lists are copied. The cuda
-    backend also reads arrays in CUDA memory, after the work on the current stream of their package. Inputs are not
-    written to, and must not change until the call returns.
+    backend also reads arrays in CUDA memory, after the work that the package of the array has put on its current
+    stream. Inputs are not written to, and must not change until the call returns.
 
     Calls release the GIL. Different detectors run in parallel; calls of one detector from several threads run one at a
     time. Ctrl-C in the main thread ends a call within about 50 ms: it raises KeyboardInterrupt, and the detector stays
-    usable. `partition` does not end while it clusters.
+    usable. While `partition` computes clusters, Ctrl-C does not end it.
 
     References
     ----------
@@ -159,8 +159,8 @@ class Detector(_core.Detector):
         """Ends the call in progress: it raises Error with code "cancelled" within some milliseconds.
 
         Call it from another thread. A call that is nearly complete may still return its result. Calls that wait for the
-        one in progress are not cancelled. `partition` does not end while it clusters. Does nothing if no call is in
-        progress.
+        one in progress are not cancelled. While `partition` computes clusters, it does not end. Does nothing if no call
+        is in progress.
         """
         super().cancel()
 
@@ -194,16 +194,16 @@ class Detector(_core.Detector):
         Parameters
         ----------
         scene : Mesh or mesh-like, [mesh, mesh], World, or Part
-            Scene, see Detector. Queries about features and distances handle two meshes as two bodies.
+            Scene, as described in Detector. In queries about features and distances, two meshes are two bodies.
         query : Query, default IntersectionQuery()
-            Its type selects what is searched for and the type of the result.
+            The type of the query selects what is searched for and the type of the result.
         copy : bool, default False
-            If True, the result has writable arrays of its own, otherwise read-only views.
+            If True, the arrays of the result are writable copies, otherwise read-only views.
 
         Returns
         -------
         Intersections, Impacts, FirstImpact or None, FreeStep, Proximities, Candidates, Distances, or Overlaps
-            Result of the query. For a part: the rows that the part owns, with the ids of the mesh; offsets, hit flags
+            Result of the query. For a part: the rows that the part owns, with ids of the whole mesh. Offsets, hit flags
             and least distances are indexed by position in the part.
 
         Raises
@@ -212,7 +212,7 @@ class Detector(_core.Detector):
             If an argument is invalid, or the query is not supported for this scene (see `supports`). Names the
             argument, the mesh, the body or the shape.
         MemoryLimit
-            If records or the result exceed the memory limit.
+            If the data of the search or the result exceed the memory limit.
 
         Notes
         -----
@@ -228,7 +228,10 @@ class Detector(_core.Detector):
         return show(found, scene, query, copy if copy is False else checked_copy(copy))
 
     def _call(self, delivery: str, scene: Any, query: Query, *more: Any) -> Any:
-        """Calls the extension module's method of a query and delivery; raises InvalidInput if there is none."""
+        """Calls the extension module's method for a query and a delivery ("find", "any", ...).
+
+        Raises InvalidInput if there is no such method.
+        """
         method = query._methods.get(delivery)
         if method is None:
             raise InvalidInput(f"{delivery} is not for {type(query).__name__}: docs/supported.md has the table")
@@ -242,7 +245,7 @@ class Detector(_core.Detector):
 
     @suggesting
     def supports(self, scene: Any, query: Query = _ALL) -> bool:
-        """True if `find` takes queries of this type about this scene.
+        """True if `find` supports queries of this type about this scene.
 
         Depends on the kind of scene, the memory of its arrays and the backend; docs/supported.md has the table. Of the
         query's options only `containment` of an IntersectionQuery matters. Does not check sizes.
@@ -303,13 +306,14 @@ class Detector(_core.Detector):
         Parameters
         ----------
         scene, query
-            As for `find`. The query must not have `index`, `triangle_pairs`, `least`, or less output than pairs.
+            As for `find`. The query must not have `index`, `triangle_pairs` or `least`, and its `output` must be
+            "pairs" or more.
         take : callable
             Called as `take(block)`. A block is a result of the type that `find` returns, with rows only. An exception
-            ends the call. Calls may come from different threads, but never two at a time, and must not use this
-            detector.
+            from `take` ends the search. `take` may be called from different threads, but never from two at a time, and
+            must not use this detector.
         block_rows : int, default 262144
-            Rows per block, all of its lists together, 1 to 2^40; the last block has fewer.
+            Number of rows per block, in all of its lists together, 1 to 2^40; the last block may have fewer.
 
         Returns
         -------
@@ -323,8 +327,9 @@ class Detector(_core.Detector):
 
         Notes
         -----
-        All blocks together have the rows of the whole result, leaf by leaf. This order does not depend on the number of
-        threads. Cost: that of `find`. Memory: that of `find` without its lists, plus about three blocks.
+        All blocks together have the rows of the whole result, in the order of the leaves (groups of triangles that are
+        searched together). This order does not depend on the number of threads. Cost: that of `find`. Memory: that of
+        `find` without its lists, plus about three blocks.
         """
         scene = scene_of(scene)
         query = checked_query(scene, query)
@@ -338,16 +343,18 @@ class Detector(_core.Detector):
     def partition(self, scene: Any, query: Query = _ALL, *, count: int) -> list[_core.Part]:
         """Cuts a scene into independent parts, for instance for several machines.
 
-        Each part owns some rows of the result. `find(part, query)` returns them anywhere, without the mesh. Every row
-        belongs to exactly one part, so that all parts together have the whole result. Parts can be pickled.
+        Each part owns some rows of the result. `find(part, query)` returns them; it needs no mesh, so it can run on any
+        machine. Every row belongs to exactly one part, so that all parts together have the whole result. Parts can be
+        pickled.
 
         Parameters
         ----------
         scene : Mesh or mesh-like, or [mesh, mesh]
             One mesh; two meshes for intersections only.
         query : IntersectionQuery, ImpactQuery or ProximityQuery, default IntersectionQuery()
-            Parts for impacts and proximities are limited to queries with at most this distance, and with the same
-            `weld`, radii, rest shape and rings. For intersections the members of the query do not matter.
+            Query that the parts are made for. Later queries about parts for impacts and proximities must have at most
+            this distance, and the same `weld`, radii, rest shape and rings. For intersections the members of the query
+            do not matter.
         count : int
             Number of parts, 1 to 262144.
 
@@ -362,8 +369,8 @@ class Detector(_core.Detector):
 
         Notes
         -----
-        Parts depend only on the arguments. Cost: one pass over the triangles per level, and their copies: 230 ms for a
-        million triangles in 64 parts on one thread.
+        Parts depend only on the arguments. Cost: one pass over the triangles per level of subdivision, and a copy of
+        them: 230 ms for a million triangles in 64 parts on one thread.
 
         References
         ----------
@@ -383,10 +390,10 @@ class Detector(_core.Detector):
         Parameters
         ----------
         scene, query
-            As for `find`, with all arrays on the detector's device, through DLPack. Arrays that cannot be read in place
-            are refused. Shapes and bodies of a world are in host memory; they are uploaded if they differ from those of
-            the previous call. At most 65,535 worlds, and 2^24 triangles in total. Arrays must not change until `wait`
-            returns.
+            As for `find`, with all arrays on the detector's device, readable through DLPack. Arrays that cannot be read
+            in place are refused. Only the poses of a world are on the device. Its shapes and bodies are in host memory,
+            and are uploaded if they differ from those of the previous call. At most 65,535 worlds, with 2^24 triangles
+            in total. Arrays must not change until `wait` returns.
         stream : None, int, or stream of PyTorch, CuPy or Warp, optional
             CUDA stream that does the work, by its address or as an object; None: the legacy default stream. The package
             that owns an array makes it ready on this stream (DLPack's `__dlpack__(stream=...)`): the stream waits for
@@ -404,13 +411,14 @@ class Detector(_core.Detector):
 
         Notes
         -----
-        At most two launches may be in flight; wait for them in their order. The first launch about features of a mesh,
-        and one with other numbers of vertices, faces, edges or points, waits for the stream, because the host has to
-        find the edges.
+        At most two launches may be in flight; wait for them in their order. The first launch about features of a mesh
+        waits for the stream, because the host has to find the edges. So does a launch whose mesh has another number of
+        vertices, faces, edges or points than the one before it.
 
-        If the stream is being captured, the work becomes a part of the caller's graph, and each replay is a query. Make
-        two calls of the same kind outside of the capture before. The stream should be the package's current stream
-        then, because a capture must not wait for streams outside of it.
+        If the stream is being captured, the work becomes a part of the caller's CUDA graph, and each replay of the
+        graph runs the query. Before the capture, make two calls of the same kind, which allocate the lists. For a
+        capture, `stream` should be the current stream of the package, because a capture must not wait for streams
+        outside of it.
         """
         scene = scene_of(scene)
         query = checked_query(scene, query)
@@ -427,11 +435,11 @@ class Detector(_core.Detector):
         Parameters
         ----------
         vertices : (n, 3) array_like of float32 or float64, or scene
-            Vertices; or without `faces` a whole scene; or the first of two meshes.
+            Vertices; or, without `faces`, a whole scene; or the first of two meshes.
         faces : (m, 3) or (3 m,) array_like of int, optional
             Indices of vertices; or the second mesh.
         groups : (m,) array_like of int, optional
-            Group of each triangle, within int32.
+            Group of each triangle, within the range of int32.
         copy : bool, default False
             As for `find`.
         **options
@@ -468,7 +476,7 @@ class Detector(_core.Detector):
         Parameters
         ----------
         start : (n, 3) array_like of float32 or float64, or mesh, or scene
-            Positions at the start; or a mesh; or alone, a scene that has positions at the end.
+            Positions at the start; or a mesh; or, as the only scene argument, a scene that has positions at the end.
         end : (n, 3) array_like of float32 or float64, optional
             Positions at the end of the step.
         faces : (m, 3) or (3 m,) array_like of int, optional
@@ -515,7 +523,7 @@ class Detector(_core.Detector):
         Returns
         -------
         FirstImpact or None
-            None: the step is free.
+            None if the step is free of impacts.
 
         Raises
         ------

@@ -31,8 +31,8 @@ class DeviceArray:
     -----
     Packages read it without a copy: `torch.from_dlpack(array)`, `cupy.from_dlpack(array)`,
     `jax.dlpack.from_dlpack(array)`, `wp.from_dlpack(array)`, and through `__cuda_array_interface__`
-    `cupy.asarray(array)` and `numba.cuda.as_cuda_array(array)`. It is ready on every stream. It is valid as long as its
-    DeviceResult; copy what has to last longer (`torch.from_dlpack(array).clone()`).
+    `cupy.asarray(array)` and `numba.cuda.as_cuda_array(array)`. The array is ready on every stream. It is valid as long
+    as its DeviceResult; copy what you need for longer (`torch.from_dlpack(array).clone()`).
     """
 
     __slots__ = ("_detector", "address", "dtype", "shape")
@@ -72,9 +72,9 @@ class DeviceResult:
     any : bool
         True if anything was found.
     complete : bool
-        False if the result of a captured launch did not fit: then there are no arrays.
+        False if the result of a captured launch did not fit in the lists that were allocated. There are no arrays then.
     needed : int
-        Number of rows; of an incomplete result the number found so far, a lower bound.
+        Number of rows that the lists need. For an incomplete result: the number found so far, which is a lower bound.
     count : int
         Number of rows of all lists.
     first : FirstImpact or None
@@ -122,7 +122,7 @@ class DeviceResult:
 
 
 class Launch:
-    """Query in flight that Detector.launch has started."""
+    """Query in flight, which Detector.launch has started."""
 
     def __init__(self, detector: Detector, ticket: Any) -> None:
         self._detector, self._ticket = detector, ticket
@@ -130,11 +130,12 @@ class Launch:
     def wait(self) -> DeviceResult:
         """Waits for the launch and returns its result in device memory.
 
-        Wait for launches in their order, the oldest first. The result is complete: `wait` grows
-        lists that were too short, runs the query again, and does the steps that only the host can do.
+        Wait for launches in their order, the oldest first. The result is complete: if lists were too short, `wait`
+        grows them and runs the query again. It also does the steps that only the host can do.
 
-        After a captured launch: returns the result of the last replay, whose stream the caller has synchronized. That
-        query does not run again, see DeviceResult.complete. Each replay may be waited for.
+        After a launch in a capture: returns the result of the last replay of the graph. The caller must have
+        synchronized its stream. A replayed query does not run again if lists were too short (DeviceResult.complete).
+        `wait` may be called after each replay.
 
         Returns
         -------
@@ -166,9 +167,9 @@ class DeviceInfo(NamedTuple):
     Attributes
     ----------
     number : int
-        Option `device` of a Detector that selects it.
+        Value of the option `device` of a Detector that selects this device.
     name : str
-        Name from the driver.
+        Name that the driver reports.
     major, minor : int
         Compute capability.
     memory_bytes : int
@@ -190,7 +191,7 @@ class DeviceList(NamedTuple):
     devices : list of DeviceInfo
         Devices; empty if there are none.
     reason : str
-        Reason in one line why there are none; "" if there are any.
+        Reason, in one line, why there are no devices; "" if there are any.
     """
 
     devices: list[DeviceInfo]
@@ -200,7 +201,7 @@ class DeviceList(NamedTuple):
 def list_devices() -> DeviceList:
     """Returns the devices that CUDA lists.
 
-    Without a device, a driver or the cuda backend, the list is empty and has the reason. Raises no error for that.
+    If there is no device, no driver or no cuda backend, the list is empty and has the reason; no error is raised.
 
     Returns
     -------

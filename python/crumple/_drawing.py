@@ -1,4 +1,4 @@
-"""Pictures of results: plain arrays of what they show, and PyVista, which only this module imports."""
+"""Pictures of results: plain arrays of all that a picture shows, and PyVista, which only this module imports."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from ._errors import InvalidInput
 from ._mesh import Mesh
 from ._results import Contacts
 
-#: Red, green, blue of calm and colliding triangles of the first and second mesh, and of contacts; as in files.
+#: Red, green, blue of calm (free) and colliding triangles of the first and second mesh, and of contacts. The same
+#: colours as in files that the library writes.
 CALM = ((178, 178, 178), (150, 168, 188))
 COLLIDING = ((213, 94, 0), (213, 94, 0))
 CONTACT = (20, 20, 20)
@@ -43,7 +44,7 @@ class Painted(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """Both meshes of a picture in one, with the contacts.
+    """One or two meshes of a picture, joined into one, with the contacts.
 
     Attributes
     ----------
@@ -67,7 +68,7 @@ class Drawing(NamedTuple):
 
 
 def _arrays_of(mesh: Mesh, triangles: int):
-    """Returns vertices and faces as they are now. Refuses a mesh that no longer fits the result."""
+    """Returns copies of vertices and faces as they are now. Raises InvalidInput if they no longer fit the result."""
     vertices, faces = host_array(mesh.vertices, "vertices"), host_array(mesh.faces, "faces")
     if vertices.size % 3 == 0 and faces.size == 3 * triangles:
         vertices, faces = vertices.astype(np.float64).reshape(-1, 3), faces.astype(np.int64).reshape(-1, 3)
@@ -86,7 +87,7 @@ def _contact_lines(result: Painted):
     contacts = result.contacts
     if contacts is None or not len(contacts):
         return np.empty((0, 2, 3)), np.empty((0, 3))
-    # Within a pair each point is connected to the next one, and the last point of an area to its first.
+    # Lines join the points of a contact: each point to the next one, and the last point of an area to its first.
     starts, ends = contacts.offsets[:-1], contacts.offsets[1:]
     counts = ends - starts
     following = np.arange(len(contacts.points)) + 1
@@ -111,7 +112,7 @@ def drawing_of(result: Painted) -> Drawing:
 
 
 def _in_front(actor: Any) -> None:
-    """Draws contacts a little nearer to the camera: otherwise their surfaces would hide half of each line."""
+    """Draws contacts a little nearer to the camera: otherwise the surfaces around them would hide parts of them."""
     mapper = actor.mapper
     mapper.SetResolveCoincidentTopologyToPolygonOffset()
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -300.0)

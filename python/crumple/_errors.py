@@ -1,6 +1,6 @@
-"""Exceptions, with message and location as in the C++ library, and suggestions for misspelt keywords.
+"""Exceptions, with message and location as in the C++ library, and suggestions for misspelt keyword arguments.
 
-The suggestions are like those that Python 3.13 makes.
+The suggestions have the same form as the suggestions of Python 3.13.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ class Error(Exception):
         "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file", "format",
         "cancelled", "device" or "communication".
     element : str
-        What `index` counts: "vertex", "triangle", "group", "option", "line", "byte", "body", "shape", "edge", "point"
-        or "none".
+        Kind of element that `index` is an index of: "vertex", "triangle", "group", "option", "line", "byte", "body",
+        "shape", "edge", "point" or "none".
     index : int
         First offending element; -1 if there is none.
     bytes_needed : int
@@ -62,7 +62,7 @@ def _restore(kind, message, place):
 
 
 class InvalidInput(Error, ValueError):
-    """Invalid array, option or content of a file: shape, type, NaN, an index out of range, or another contradiction."""
+    """Invalid array, option or file contents: a wrong shape or type, NaN, an index out of range, or a contradiction."""
 
 
 class InvalidType(InvalidInput, TypeError):
@@ -70,7 +70,7 @@ class InvalidType(InvalidInput, TypeError):
 
 
 class MemoryLimit(Error, MemoryError):
-    """Records or a result exceed the detector's memory limit; `bytes_needed` is a lower bound on a sufficient limit."""
+    """Data of a search exceed the detector's memory limit; `bytes_needed` is a lower bound on a sufficient limit."""
 
 
 class BackendUnavailable(Error):
@@ -123,14 +123,14 @@ def suggesting(function: Function) -> Function:
             return function(*arguments, **named)
         except TypeError as error:
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:
-                raise  # from inside the function
+                raise  # the TypeError comes from inside the function
             raise TypeError(with_suggestions(str(error), function, named)) from None
 
     return call  # type: ignore[return-value]
 
 
 def with_suggestions(sentence: str, function: Callable[..., Any], given: dict[str, Any]) -> str:
-    """Appends a similar name to the message about an unknown argument."""
+    """Returns the message `sentence` about an unknown argument, with a similar name of a parameter appended, if any."""
     parameters = list(inspect.signature(function).parameters)
     for name in given:
         close = get_close_matches(name, parameters, n=1)

@@ -1,4 +1,4 @@
-"""Candidates for a narrow phase of the caller, and exact decisions for a broad phase of the caller."""
+"""Candidate pairs for callers that have a narrow phase, and exact decisions for callers that have a broad phase."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Candidates(PairLists):
     Notes
     -----
     There is one list for each kind. Each pair occurs once. Lists are sorted by first feature, then second; for worlds
-    by body before each feature. The same bytes from every backend, instruction set and thread count. The face-vertex,
+    by body before each feature. Every backend, instruction set and thread count gives the same bytes. The face-vertex,
     edge-face and edge-vertex candidates of IPC Toolkit are `vertex_faces`, `edge_faces` and `vertex_edges`.
     """
 
@@ -57,7 +57,7 @@ class Candidates(PairLists):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the requested lists to a file (docs/feature_lists.md).
 
-        Files name edges by their vertices in .txt and .csv; there, for worlds, ids are body:id.
+        In .txt and .csv, edges are given by their two vertices, and ids of worlds have the form body:id.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class Candidates(PairLists):
 
         Notes
         -----
-        The file appears when it is complete; an old one stays until then. Ctrl-C waits for the end.
+        The file appears when it is complete; an existing file stays until then. Ctrl-C waits until the file is written.
         """
         name = file_name(path)
         if extension_of(name) not in (".txt", ".csv", ".json", ".npz"):
@@ -94,9 +94,10 @@ class PairImpacts(NamedTuple):
     hit : (k,) ndarray of bool
         True if the features touch at some time in [0, 1].
     toi : (k,) ndarray of float64
-        First such time, the exact one rounded down; infinite if there is none.
+        First time at which they touch, computed exactly and rounded down; infinite if there is none.
     start : (k,) ndarray of bool
-        True if the features touch at the start; then `toi` is 0. `toi` may also be 0 for a later contact.
+        True if the features touch at the start; `toi` is 0 then. `toi` may also be 0 for a later contact, because it is
+        rounded down.
     """
 
     hit: NDArray[np.bool_]
@@ -110,16 +111,16 @@ class PairDistances(NamedTuple):
     Attributes
     ----------
     squared_distance : (k,) ndarray of float64
-        Exact squared distance, rounded to the nearest number; infinite if it overflows.
+        Exact squared distance, rounded to the nearest float64; infinite if it overflows.
     touching : (k,) ndarray of bool
         True if the distance is 0 exactly.
     type : (k,) ndarray of uint8
-        Closest parts: a VertexFaceType, EdgeEdgeType, VertexEdgeType (whose EA0 and E0 are the first end given) or
-        VertexVertexType.
+        Closest parts of the features, by kind: a VertexFaceType, EdgeEdgeType, VertexEdgeType or VertexVertexType. EA0
+        and E0 are the ends that were given first.
     at : (k, 2) ndarray of float64
-        Closest points, as parameters: (u, v) of the point a + u (b - a) + v (c - a) of a face, (s, t) of a + s (b - a)
-        and c + t (d - c) on two edges, (t, 0) of a + t (b - a) on one edge, (0, 0) for two vertices. Exact, then
-        rounded.
+        Parameters of the closest points: (u, v) of the point a + u (b - a) + v (c - a) of a face a, b, c; (s, t) of the
+        points a + s (b - a) and c + t (d - c) of edges a, b and c, d; (t, 0) of the point a + t (b - a) of an edge a,
+        b; (0, 0) for two vertices. Computed exactly, then rounded.
     """
 
     squared_distance: NDArray[np.float64]
@@ -129,7 +130,7 @@ class PairDistances(NamedTuple):
 
 
 def _rows(given: Any, points: int, name: str) -> NDArray[np.float64]:
-    """Returns (k * points, 3) contiguous float64. Converts float32 without loss."""
+    """Returns the points of k pairs as (k * points, 3) contiguous float64, from (k, points, 3) float64 or float32."""
     import numpy as np
 
     from ._arrays import host_array
@@ -169,17 +170,17 @@ def pair_impacts(
 ) -> PairImpacts:
     """Decides for each pair of features if and when they touch, while their points move straight from start to end.
 
-    Each decision is exact, and that of Detector.impacts. The function does not know the mesh: features with a common
-    vertex touch at the start.
+    Each decision is exact, and the same as that of Detector.impacts. The function does not know a mesh, so features
+    with a common vertex touch at the start.
 
     Parameters
     ----------
     kind : {"vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"}
         Kind of all pairs.
     start, end : (k, p, 3) array_like of float64 or float32
-        Points of each pair at the start and at the end, in host memory. By kind: the vertex and the face's three
-        corners (p = 4); two ends of each edge (p = 4); the vertex and the edge's two ends (p = 3); two vertices (p =
-        2).
+        Points of each pair at the start and at the end, in host memory. "vertex_face": the vertex, then the three
+        corners of the face (p = 4); "edge_edge": the two ends of each edge (p = 4); "vertex_edge": the vertex, then the
+        two ends of the edge (p = 3); "vertex_vertex": two vertices (p = 2).
     min_distance, min_distance_share, approaching_only
         As for ImpactQuery.
     threads : int, default 0
@@ -206,14 +207,14 @@ def pair_impacts(
 
 @suggesting
 def pair_distances(kind: PairKind, points: Any, *, threads: int = 0) -> PairDistances:
-    """Finds the distance of each pair of features, and where they are closest: exact, then rounded.
+    """Finds the distance of each pair of features, and where they are closest: computed exactly, then rounded.
 
     Parameters
     ----------
     kind : {"vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"}
         Kind of all pairs.
     points : (k, p, 3) array_like of float64 or float32
-        Points of each pair, as `start` of pair_impacts.
+        Points of each pair, in the same form as `start` of pair_impacts.
     threads : int, default 0
         Number of threads; 0: as many as the machine has.
 

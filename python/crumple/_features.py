@@ -78,7 +78,7 @@ class FeatureResult(PairLists):
 
     _write: ClassVar[Callable[..., None]]
     _outputs: ClassVar[tuple[str, ...]]
-    _from: ClassVar[dict[str, int]]  # least index in `_outputs` that has an attribute; others need the last one
+    _from: ClassVar[dict[str, int]]  # by attribute: index in `_outputs` from which on it exists; default: the last one
 
     def _check_output(self, name: str) -> None:
         if name in _NOT_IN_BLOCKS and self._request.block:
@@ -143,8 +143,8 @@ class FeatureResult(PairLists):
         path : str or os.PathLike
             File. By extension:
 
-            - .txt, .csv, .json, .npz: the lists; for worlds, ids are body:id in .txt and .csv;
-            - .glb: the mesh, with triangles coloured by time or by distance, the darkest first.
+            - .txt, .csv, .json, .npz: the lists; in .txt and .csv, ids of worlds have the form body:id;
+            - .glb: the mesh, with triangles coloured by time or by distance: the darkest are the earliest or nearest.
         mesh : mesh, optional
             For .glb, the mesh of the scene.
 
@@ -157,7 +157,7 @@ class FeatureResult(PairLists):
 
         Notes
         -----
-        The file appears when it is complete; an old one stays until then. Ctrl-C waits for the end.
+        The file appears when it is complete; an existing file stays until then. Ctrl-C waits until the file is written.
         """
         self._check_output("what save writes")
         if self._request.scene == "part":
@@ -175,7 +175,7 @@ class FeatureResult(PairLists):
         type(self)._write(path, self, None if mesh is None else as_mesh(mesh))
 
     def _description(self, found: str) -> str:
-        """Returns the text of __repr__."""
+        """Returns the text of __repr__. `found` names what was found: "impacts"."""
         listed = self._found
         if self._request.output == self._outputs[-1]:
             faces, edges = len(listed.vertex_faces), len(listed.edge_edges)
@@ -186,7 +186,7 @@ class FeatureResult(PairLists):
 
 
 class FirstImpact(NamedTuple):
-    """First impact of a step: the least time as rounded; among equals the first in the order of the result.
+    """First impact of a step: the one with the least rounded time; of several, the first in the order of Impacts.
 
     Attributes
     ----------
@@ -199,7 +199,7 @@ class FirstImpact(NamedTuple):
     toi : float
         First time of contact in [0, 1], rounded down.
     start : bool
-        True if they touch at the start.
+        True if the two features touch at the start.
     """
 
     kind: Literal["vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"]
@@ -215,12 +215,14 @@ class FreeStep(NamedTuple):
     Attributes
     ----------
     share : float
-        Smallest of all shares, 0 to 1. 1: the whole step is free; 0: something touches at the start or too early.
+        Share of the step that is free, 0 to 1: the smallest of all shares below. 1: the whole step is free. 0:
+        something touches at the start, or so early that no free share was found (FreeStepQuery).
     positions : (n, 3) ndarray
-        start + s (end - start) with the share s of the vertex, its body or its world, rounded, in the precision of the
-        mesh. For worlds and two meshes: the posed vertices, body after body, in float64.
+        start + s (end - start), rounded to the precision of the mesh, where s is the share of the vertex, of its body
+        or of its world (FreeStepQuery.held). For worlds and two meshes: the posed vertices, body after body, in
+        float64.
     first : FirstImpact or None
-        First impact of the whole step, if any.
+        First impact of the whole step; None if there is none.
     intersecting : tuple of int or None
         With `triangle_pairs`, the first pair of triangles that intersect at the start, if any.
     intersecting_bodies : tuple of int or None
@@ -252,8 +254,8 @@ class Impacts(FeatureResult):
     -----
     There are two lists: vertices with faces, and edges with edges. Each pair occurs once. Lists are sorted by first
     feature, then second; for worlds by body before each feature. Meshes with `edges` or `points` have two more lists,
-    for features without a face: vertices with edges, and vertices with vertices. Times are in [0, 1], rounded down: toi
-    <= exact < next number. The same bytes from every backend, instruction set and thread count.
+    for features without a face: vertices with edges, and vertices with vertices. Times are in [0, 1], and rounded down:
+    toi <= exact time < next float64. Every backend, instruction set and thread count gives the same bytes.
     """
 
     _query = "ImpactQuery"
@@ -302,13 +304,13 @@ class Impacts(FeatureResult):
 
     @property
     def first(self) -> FirstImpact | None:
-        """First impact of all worlds; None: the step is free. Requires output "first" or "pairs"."""
+        """First impact of all worlds; None if there is none. Requires output "first" or "pairs"."""
         self._check_output("first")
         return self._first(self._found.first)
 
     @property
     def world_first(self) -> list[FirstImpact | None]:
-        """First impact of each world. Requires output "first" or "pairs"."""
+        """First impact of each world, or None if it has none. Requires output "first" or "pairs"."""
         self._check_output("world_first")
         return [self._first(first) for first in self._found.world_first]
 
@@ -322,7 +324,7 @@ class Impacts(FeatureResult):
 
 
 class VertexFaceType(IntEnum):
-    """Part of a face that is closest to a vertex: the one of lowest dimension, then the first in this order.
+    """Part of a face that is closest to a vertex. Of several, one of lowest dimension, then the first in this order.
 
     The names are those of IPC Toolkit. E0 is the side from the face's first corner to the second, E1 from the second to
     the third, E2 from the third to the first.
@@ -338,7 +340,7 @@ class VertexFaceType(IntEnum):
 
 
 class EdgeEdgeType(IntEnum):
-    """Parts of two edges that are closest: those of lowest dimension, then the first in this order.
+    """Parts of two edges that are closest. Of several, the parts of lowest dimension, then the first in this order.
 
     The names are those of IPC Toolkit. EA and EB are the two edges; EA0 is the first vertex of EA in `edges`.
     """
@@ -355,7 +357,7 @@ class EdgeEdgeType(IntEnum):
 
 
 class VertexEdgeType(IntEnum):
-    """Part of an edge that is closest to a vertex: its first or second vertex in `edges`, or the edge."""
+    """Part of an edge that is closest to a vertex: its first or second vertex in `edges`, or the inside of the edge."""
 
     P_E0 = 0
     P_E1 = 1
@@ -377,9 +379,9 @@ class Proximities(FeatureResult):
     -----
     There are two lists: vertices with faces, and edges with edges. Each pair occurs once. Lists are sorted by first
     feature, then second; for worlds by body before each feature. Meshes with `edges` or `points` have two more lists,
-    for features without a face: vertices with edges, and vertices with vertices. Squared distances are exact, then
-    rounded to the nearest float64; infinite if they overflow. The same bytes from every backend, instruction set and
-    thread count.
+    for features without a face: vertices with edges, and vertices with vertices. Squared distances are computed
+    exactly, then rounded to the nearest float64; infinite if they overflow. Every backend, instruction set and thread
+    count gives the same bytes.
     """
 
     _query = "ProximityQuery"

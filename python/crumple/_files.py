@@ -30,7 +30,7 @@ def read_mesh(
 ) -> FileMesh:
     """Reads a mesh from PLY, OBJ, STL, OFF, glTF or 3MF.
 
-    Detects the format by content first, then by extension. All bodies of glTF and 3MF, in their places, are one mesh;
+    Detects the format by content first, then by extension. All bodies of glTF and 3MF, posed, are joined into one mesh;
     read_world keeps them apart.
 
     Parameters
@@ -40,12 +40,13 @@ def read_mesh(
     precision : {"automatic", "float32", "float64"}, default "automatic"
         Precision of the coordinates; "automatic" loses no bit of the file.
     weld : {"automatic", "yes", "no"}, default "automatic"
-        Whether to merge vertices at equal positions; "automatic": for STL only, which has no indices.
+        Whether to merge vertices at equal positions. "automatic": only for STL, which has no indices, and for glTF,
+        which repeats vertices.
     group_property : str, optional
         For PLY, the integer face property that contains the groups.
     triangulation : {"ears", "fan"}, default "ears"
-        Triangulation of polygons. "ears": convex polygons as a fan, concave ones without overlaps; "fan": all from
-        their first corner.
+        Triangulation of polygons. "fan": all polygons as a fan of triangles around their first corner. "ears": convex
+        polygons as a fan, concave ones into triangles that do not overlap.
     strict : bool, default False
         If True, raises InvalidInput instead of issuing a FileWarning.
     unit : {"um", "mm", "cm", "in", "ft", "m"}, optional
@@ -55,8 +56,8 @@ def read_mesh(
     Returns
     -------
     FileMesh
-        (n, 3) float32 or float64 vertices, (m, 3) int32 faces and, if requested, (m,) int32 groups, with the polygon of
-        each triangle, and the unit.
+        (n, 3) float32 or float64 vertices, (m, 3) int32 faces and, if requested, (m,) int32 groups; the polygons of the
+        file, and the unit.
 
     Raises
     ------
@@ -72,14 +73,14 @@ def read_mesh(
 
     Notes
     -----
-    Never returns part of a mesh. Reads hundreds of MB per second; Ctrl-C waits for the end. docs/input.md lists what
-    the readers accept, warn about and refuse.
+    Never returns a part of a mesh. Reads hundreds of MB per second. Ctrl-C waits until the file is read. docs/input.md
+    lists what the readers accept, warn about and refuse.
     """
     (vertices, faces, groups, polygons), odd, unit_of_file = _core.read_mesh(
         path, precision, weld, group_property, triangulation, strict, unit
     )
     for message in odd:
-        warnings.warn(message, FileWarning, stacklevel=3)  # points at the caller, beyond `suggesting`
+        warnings.warn(message, FileWarning, stacklevel=3)  # names the line of the caller; level 2 is in `suggesting`
     mesh = FileMesh(vertices, faces, groups)
     if polygons is not None:
         mesh.polygons = Polygons(*polygons)
@@ -90,9 +91,9 @@ def read_mesh(
 def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
     """Writes a mesh to .ply, .obj, .stl, .off, .glb or .3mf, by extension.
 
-    Coordinates keep every bit, except in .stl and .glb, which store float32. Groups are kept in .ply, as the face
-    property `group`. The unit of a FileMesh is kept in .3mf. In .glb, which is in metres, coordinates are converted.
-    Other formats have no unit.
+    Coordinates keep every bit, except in .stl and .glb, which store float32. Groups are written to .ply only, as the
+    face property `group`. The unit of a FileMesh is written to .3mf. Files of type .glb are in metres: coordinates with
+    a unit are converted. Other formats have no unit.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def write_mesh(path: str | os.PathLike[str], mesh: Any) -> None:
     Raises
     ------
     FileError
-        If the file cannot be written; an old file stays as it was.
+        If the file cannot be written; an existing file is unchanged then.
     InvalidInput
         If the mesh is invalid, or the extension is another one.
 
@@ -121,8 +122,8 @@ def read_pairs(path: str | os.PathLike[str]) -> NDArray[np.int32]:
     Parameters
     ----------
     path : str or os.PathLike
-        .csv, .json or .npz as Intersections.save writes them. Any other file is text: the first two numbers of each
-        line.
+        .csv, .json or .npz in the form in which Intersections.save writes them. Any other file is text, and the first
+        two numbers of each line are read.
 
     Returns
     -------
@@ -161,7 +162,8 @@ def read_world(
     Returns
     -------
     World
-        Bodies with names and poses, and the unit of the file. Shapes are read-only arrays that detectors cache.
+        Bodies with names and poses, and the unit of the file. Arrays of shapes are read-only, so that detectors can
+        cache data about them.
 
     Raises
     ------
@@ -176,8 +178,8 @@ def read_world(
     Notes
     -----
     - glTF: each node of the default scene that has a mesh is a body, in the order of the file's nodes, with its name
-      and its transform from the root. A node without a name has that of its mesh, or a name like node7. The second body
-      of a name becomes NAME_2. Meshes over the same data are one shape.
+      and the product of the transforms from the root. A node without a name gets the name of its mesh, or a name like
+      node7. The second body with a name becomes NAME_2. Meshes that use the same data are one shape.
     - 3MF: each mesh that the build references, directly or through components, is a body, with the name of its object,
       or of an object that contains it, or a name like `object 7`.
     - Other files: one body, with the identity as its pose.
@@ -188,7 +190,7 @@ def read_world(
         path, precision, weld, triangulation, strict, unit
     )
     for message in odd:
-        warnings.warn(message, FileWarning, stacklevel=3)  # points at the caller, beyond `suggesting`
+        warnings.warn(message, FileWarning, stacklevel=3)  # names the line of the caller; level 2 is in `suggesting`
     made = [constant_shape(Mesh(*shape[:3]), f"shape {i}: ") for i, shape in enumerate(shapes)]
     world = World(made, bodies, poses=poses, names=names)
     world.unit = unit_of_file
@@ -201,11 +203,12 @@ def read_poses(path: str | os.PathLike[str], bodies: World | int | Sequence[str]
     Parameters
     ----------
     path : str or os.PathLike
-        .npy of float32 or float64, of a shape that ends with 12 or 3, 4 (or 16 or 4, 4). Any other file is text: a row
-        of 12 (or 16) numbers per line, with commas or blanks between. Rows are those of the bodies in order,
-        configuration after configuration.
+        .npy of float32 or float64, with a shape (..., 12), (..., 3, 4), (..., 16) or (..., 4, 4). Any other file is
+        text: 12 or 16 numbers per line, separated by commas or blanks. Each row of numbers is a pose: first of all
+        bodies in order in the first configuration, then in the second, and so on.
     bodies : World, int, or sequence of str, default 1
-        Number of bodies in a configuration, or their names; for a World, its bodies that are not in all worlds (-1).
+        Number of bodies in a configuration, or their names. A World stands for its bodies that are not in all worlds
+        (-1).
 
     Returns
     -------
@@ -262,7 +265,7 @@ def scenes() -> list[ProceduralScene]:
 
 @suggesting
 def make_scene(name: str, *, triangles: int = 0, frame: int | None = None, seed: int = 1) -> Mesh:
-    """Makes a procedural scene: the same bits on every machine.
+    """Makes a procedural scene, with the same bits on every machine.
 
     Parameters
     ----------
@@ -273,7 +276,7 @@ def make_scene(name: str, *, triangles: int = 0, frame: int | None = None, seed:
     frame : int, optional
         Frame of an animation, from 0; None: the last one.
     seed : int, default 1
-        Seed; other seeds give other scenes of the same kind.
+        Seed of the random numbers; other seeds give other scenes of the same kind.
 
     Returns
     -------

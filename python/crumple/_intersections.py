@@ -20,7 +20,7 @@ _PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".bmp": "BMP", ".ti
 _PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
 _MESH_FILES = {".ply", ".obj", ".glb", ".3mf", ".html"}
 OUTPUTS = ("any", "any_by_world", "body_pairs", "count", "pairs", "contacts")
-# Least of OUTPUTS that has an attribute.
+# For each attribute, the first of OUTPUTS from which on it exists.
 _FROM = {
     "skipped": "any",
     "world_hit": "any_by_world",
@@ -43,17 +43,18 @@ class Intersections(Result):
 
     Notes
     -----
-    The same bytes from every backend and thread count. Order and ids:
+    Every backend and thread count gives the same bytes. Order and ids:
 
     - one mesh: in lexicographic order, first < second;
-    - two meshes: in lexicographic order, an index into each mesh;
-    - a world: sorted by first body, its triangle, second body, its triangle, with indices within the bodies. So worlds
-      follow each other. Pairs among bodies that are in all worlds occur once, come last, and count for no world;
+    - two meshes: in lexicographic order; the first id is a triangle of the first mesh, the second one of the second;
+    - a world: sorted by first body, its triangle, second body, its triangle; triangles have indices within their
+      bodies. So the rows of each world follow those of the world before. Pairs of bodies that are both in all worlds
+      occur once, come last, and count for no world;
     - a part: pairs have the ids of the whole meshes. Offsets, hit flags, pictures and mesh files have the part's own
       triangles, in the order of Part.triangles.
 
-    The result keeps the meshes, or the world and its poses, for `show`, `save` and `to_html`. They are the caller's
-    arrays: pictures show their current contents. copy.deepcopy and pickles contain them.
+    The result refers to the meshes, or to the world and its poses, for `show`, `save` and `to_html`. These are the
+    caller's arrays: pictures show their current contents. Deep copies and pickles contain copies of them.
     """
 
     _query = "IntersectionQuery"
@@ -140,7 +141,7 @@ class Intersections(Result):
 
     @property
     def names(self) -> list[tuple[str, str]]:
-        """Names of `bodies`, row by row; of configurations, those of the world that they are made from."""
+        """Names of `bodies`, row by row. For configurations, the names in the world that they are made from."""
         world = self.world
         return [(world.names[a], world.names[b]) for a, b in world.originals[self.bodies].tolist()]
 
@@ -187,9 +188,9 @@ class Intersections(Result):
 
             - .txt, .csv, .json, .npz: pairs of meshes, and contacts if there are any;
             - .ply, .obj, .glb, .3mf: the meshes with colliding triangles coloured. For worlds, .glb and .3mf have
-              bodies with names and poses that share shapes; the others have one mesh. For output="body_pairs" whole
-              bodies are coloured;
-            - .png, .jpg, .jpeg, .bmp, .tif, .tiff: a picture as of `show`; needs PyVista;
+              bodies with names and poses, which share shapes; .ply and .obj have one mesh. For output="body_pairs",
+              whole bodies are coloured;
+            - .png, .jpg, .jpeg, .bmp, .tif, .tiff: the picture that `show` shows; needs PyVista;
             - .html: an interactive page that fills the window.
         **options
             For pictures, passed to `pyvista.Plotter.screenshot`, for instance `window_size=(1600, 1200)`. For .html of
@@ -198,7 +199,7 @@ class Intersections(Result):
         Raises
         ------
         InvalidInput
-            If the extension is another one, an option does not belong to the extension, or the meshes have changed and
+            If the extension is another one, an option does not apply to the extension, or the meshes have changed and
             no longer fit the result.
         FileError
             If the file cannot be written.
@@ -207,8 +208,8 @@ class Intersections(Result):
 
         Notes
         -----
-        The file appears when it is complete; an old one stays until then. Files that show a mesh need its arrays in
-        host memory. Ctrl-C waits for the end.
+        The file appears when it is complete; an existing file stays until then. Files that show a mesh need its arrays
+        in host memory. Ctrl-C waits until the file is written.
         """
         name = file_name(path)
         extension = extension_of(name)
@@ -274,7 +275,7 @@ class Intersections(Result):
         return self._scene[0], self._scene[1]
 
     def _held(self) -> Any:
-        """Returns the extension module's result; unpickling makes one, too."""
+        """Returns the result of the extension module. Unpickled objects have one, too."""
         return self._found
 
     def _painted(self) -> Painted:

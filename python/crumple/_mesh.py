@@ -1,4 +1,4 @@
-"""Meshes as input, of crumple and of trimesh, meshio, Open3D and PyVista; and shapes of bodies."""
+"""Input meshes, of crumple and of trimesh, meshio, Open3D and PyVista; and shapes of bodies."""
 
 from __future__ import annotations
 
@@ -29,19 +29,20 @@ class Mesh(_Arrays):
     Attributes
     ----------
     vertices : (n, 3) array_like of float32 or float64
-        Positions: NumPy, or anything that supports DLPack or the buffer protocol; any strides.
+        Positions: a NumPy array, or anything that supports DLPack or the buffer protocol, with any strides.
     faces : (m, 3) or (3 m,) array_like of int
         Indices of vertices.
     groups : (m,) array_like of int or None
-        Group of each triangle, within int32; None: all in group 0.
+        Group of each triangle, within the range of int32; None: all in group 0.
     end : (n, 3) array_like of float32 or float64, or None
         Positions at the end of a step; None: the mesh does not move. If `vertices` or `end` is float64, the computation
         is in float64.
     edges : (k, 2) array_like of int or None
-        Edges of queries about features, instead of those of the faces. Rows name them by their position here.
+        Edges that queries about features test, instead of the edges of the faces. Rows of results contain their
+        positions in this array.
     points : (k,) array_like of int or None
-        Vertices of queries about features, instead of all that faces and edges name. Rows name them by their
-        position here. With `edges` or `points`, `faces` may be empty: for rods, hair, particles.
+        Vertices that queries about features test, instead of all vertices of faces and edges. Rows of results contain
+        their positions in this array. With `edges` or `points`, `faces` may be empty: for rods, hair, particles.
     """
 
     end: Any = None
@@ -75,7 +76,7 @@ class Mesh(_Arrays):
         return self._with(end=end)
 
     def _with(self, **changes: Any) -> Self:
-        """Returns a copy with other arrays or attributes."""
+        """Returns a copy in which the given arrays and attributes are replaced."""
         arrays = [changes.pop(name, value) for name, value in zip(self._fields, self)]
         mesh = type(self)(*arrays)
         mesh.__dict__.update(self.__dict__, **changes)
@@ -130,8 +131,8 @@ def as_mesh(mesh: Any) -> Mesh:
         A tuple is (vertices, faces) or (vertices, faces, groups). Other packages:
 
         - trimesh: Trimesh;
-        - meshio: Mesh. Triangles, and quadrilaterals that are cut in two as in read_mesh (concave ones without
-          overlap), in the order of its cells. Vertices and lines are left out;
+        - meshio: Mesh. Its triangles and quadrilaterals, in the order of its cells; each quadrilateral is cut into two
+          triangles as in read_mesh (a concave one without overlap). Cells that are vertices or lines are left out;
         - Open3D: geometry.TriangleMesh and t.geometry.TriangleMesh;
         - PyVista: PolyData of triangles.
 
@@ -182,14 +183,14 @@ def is_mesh(thing: Any) -> bool:
 
 
 def _is_row(thing: Any) -> bool:
-    """True for a row of indices or an index: the first element of a tuple of faces, where a mesh has its vertices."""
+    """True for an index or a row of indices: `thing` is then the first element of faces, not the vertices of a mesh."""
     if isinstance(thing, (list, tuple)):
         return len(thing) > 0 and not hasattr(thing[0], "__len__")
     return isinstance(thing, int)
 
 
 def mesh_of(vertices: Any, faces: Any = None, **attributes: Any) -> Mesh:
-    """Returns a Mesh of arrays or of one object. Attributes that are not None replace those of the object."""
+    """Returns a Mesh, made from arrays or from one object. Attributes that are not None replace those of the object."""
     given = {name: value for name, value in attributes.items() if value is not None}
     if faces is None and ("edges" in given or "points" in given) and not is_mesh(vertices):
         faces = []  # a mesh without faces
@@ -210,7 +211,7 @@ def open_edges(vertices: Any, faces: Any = None, weld: bool = False) -> tuple[ND
     faces : (m, 3) or (3 m,) array_like of int, optional
         Indices of vertices.
     weld : bool, default False
-        Merges vertices at equal positions; the lowest index represents them.
+        True: vertices at equal positions count as one, the one with the lowest index.
 
     Returns
     -------
@@ -238,7 +239,7 @@ def _from_open3d(mesh: Any) -> Mesh:
 
 
 def _from_open3d_tensors(mesh: Any) -> Mesh:
-    # Empty meshes lack these attributes.
+    # An empty mesh has no positions and no indices.
     return Mesh(
         mesh.vertex.positions if "positions" in mesh.vertex else [],
         mesh.triangle.indices if "indices" in mesh.triangle else [],
@@ -251,7 +252,7 @@ def _from_pyvista(mesh: Any) -> Mesh:
             f"a mesh of PyVista must be PolyData, not {name_of_type(type(mesh))}: "
             "call .extract_surface().triangulate() first"
         )
-    if not len(mesh.faces) and not mesh.n_strips:  # empty, or vertices and lines only
+    if not len(mesh.faces) and not mesh.n_strips:  # the mesh is empty, or has only vertices and lines
         return Mesh(mesh.points, [])
     if mesh.n_strips or not mesh.is_all_triangles:
         raise InvalidInput("the PyVista mesh has faces that are no triangles: call .triangulate() first")
@@ -283,13 +284,13 @@ def _from_meshio(mesh: Any) -> Mesh:
     return Mesh(points, faces)
 
 
-_FIRST_OWN = 2**63  # least number of a str or OwnName; int names are below
+_FIRST_OWN = 2**63  # smallest number that is assigned to a str or an OwnName; an int name is its own number and smaller
 _own_numbers = itertools.count(_FIRST_OWN)
 _numbers: dict[str, int] = {}
 
 
 class OwnName:
-    """Name of a shape that is its only user, and whose arrays never change."""
+    """Private name of one shape, whose arrays never change."""
 
 
 def _number_of(name: Any) -> int:
@@ -310,7 +311,7 @@ def _number_of(name: Any) -> int:
 
 
 def name_of_number(number: int) -> str | int | None:
-    """Returns the name of a number; None for an OwnName."""
+    """Returns the name to which a number was assigned; None if it was assigned to an OwnName."""
     if number < _FIRST_OWN:
         return number
     return next((name for name, known in _numbers.items() if known == number), None)
@@ -322,37 +323,40 @@ class Shape(_core.Shape):
     Parameters
     ----------
     vertices : (n, 3) array_like of float32 or float64, or mesh
-        Positions in host memory; or without `faces` a mesh that as_mesh takes.
+        Positions in host memory; or, without `faces`, a mesh that as_mesh takes.
     faces : (m, 3) or (3 m,) array_like of int, optional
         Indices of vertices.
     groups : (m,) array_like of int, optional
-        Group of each triangle, within int32; None: the groups of the mesh, or the group of each body.
+        Group of each triangle, within the range of int32. None: the groups of the mesh; if it has none, each body's
+        group.
     name : str or int, optional
-        A str, or an int from 1 to 2**63 - 1. Promises that a shape with this name has the same contents in all calls. A
-        detector validates it in the first call only and caches derived data for all bodies of the shape. Names are
-        valid for the whole process. If vertices change, use no name or a new one.
+        A str, or an int from 1 to 2**63 - 1. With a name, the caller promises that every shape with this name has the
+        same contents in all calls. A detector then validates the shape in the first call only, and caches derived data
+        for all bodies with this shape. Names are valid for the whole process. If vertices change, use no name or a new
+        one.
     end : (n, 3) array_like of float32 or float64, optional
-        Positions at the end of a step, for queries about motion; None: the shape does not move. The promise of `name`
-        does not include this array and the following ones.
+        Positions at the end of a step, for queries about motion; None: the shape does not move. This array and the
+        following ones may differ between shapes of one `name`.
     edges, points : array_like of int, optional
         As in Mesh, for queries about features. A feature without a face is in the body's group if the shape has no
-        groups, and else in none.
+        groups, and in no group otherwise.
     radii : (n,) array_like of float64 or float32, optional
-        Radius of each vertex, for a ProximityQuery, in the units of the world: poses do not scale them. None: 0, if
-        another shape has radii.
+        Radius of each vertex, for a ProximityQuery, in the units of the world: poses do not scale it. None: all radii
+        are 0 if another shape has radii.
     rest : (n, 3) array_like of float32 or float64, optional
         Rest shape, unposed, for `rest_radius` of a ProximityQuery; None: no rest shape.
 
     Raises
     ------
     InvalidInput
-        If an argument is invalid. Names the argument. A search that first reads the shape validates coordinates and
-        indices; it also refuses another size or precision under the same name.
+        If an argument is invalid. Names the argument. Coordinates and indices are validated by the first search that
+        reads the shape. That search also refuses a shape whose size or precision differs from another shape of this
+        name.
 
     Notes
     -----
-    Cost: a body whose shape is named costs less than a microsecond per call while it is clear of all others. Pairs
-    within a body are searched anew in each call.
+    Cost: a body whose shape has a name costs less than a microsecond per call while it is clear of all other bodies.
+    Pairs within a body are searched anew in each call.
     """
 
     __slots__ = ("__weakref__", "_end", "_lists", "_mesh", "_name", "_radii", "_rest")
@@ -398,7 +402,7 @@ class Shape(_core.Shape):
 
     @property
     def name(self) -> int | str | None:
-        """Name of the shape; None if it has none, also for a shape from a file, which has a private name."""
+        """Name of the shape; None if it has no name, or only a private one, as shapes from files have."""
         return None if isinstance(self._name, OwnName) else self._name
 
     @property
@@ -408,12 +412,12 @@ class Shape(_core.Shape):
 
     @property
     def edges(self) -> Any:
-        """Edges of queries about features, as given; None: those of the faces."""
+        """Edges that queries about features test, as given; None: the edges of the faces."""
         return self._lists[0]
 
     @property
     def points(self) -> Any:
-        """Points of queries about features, as given; None: the vertices that a face or an edge names."""
+        """Vertices that queries about features test, as given; None: the vertices of faces and edges."""
         return self._lists[1]
 
     @property
@@ -452,7 +456,7 @@ class Shape(_core.Shape):
 
 
 def shape_of(given: Any, which: str, name: Any = None) -> Shape:
-    """Returns a Shape unchanged, or makes one of a mesh. `which` is the prefix of all messages."""
+    """Returns a Shape unchanged, or makes one from a mesh. `which` is the prefix of all messages."""
     if isinstance(given, Shape):
         return given
     try:
@@ -465,7 +469,7 @@ def shape_of(given: Any, which: str, name: Any = None) -> Shape:
 
 
 def constant_shape(mesh: Mesh, which: str) -> Shape:
-    """Makes a shape with a private name, and its arrays read-only."""
+    """Makes a shape with a private name. Makes the arrays of the mesh read-only."""
     for array in mesh:
         if array is not None:
             array.flags.writeable = False
@@ -485,7 +489,7 @@ def restore_shape(
     radii: Any = None,
     rest: Any = None,
 ) -> Shape:
-    """Returns the shape of a pickle. A private name gets a new number."""
+    """Makes a shape from the contents of a pickle. A private name gets a new number."""
     shape = Shape.__new__(Shape)
     name = OwnName() if isinstance(name, OwnName) else name
     shape._make(Mesh(vertices, faces, groups), name, "", end, (edges, points), radii, rest)

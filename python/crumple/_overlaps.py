@@ -36,14 +36,17 @@ _OPTION = {
 
 
 class OverlapRelation(IntEnum):
-    """Relation of two bodies, decided exactly. Volumes are integrals of winding numbers, in magnitude.
+    """Relation of two bodies, decided exactly.
+
+    Volumes are integrals of winding numbers, in magnitude; the volume of an overlap is the integral of the product of
+    the winding numbers of both bodies.
 
     Attributes
     ----------
     TOUCHING
         The surfaces meet, and the overlap has no volume.
     OVERLAPPING
-        None of the others.
+        None of the other relations holds.
     FIRST_INSIDE
         The overlap has the volume of the first body, which is not 0.
     SECOND_INSIDE
@@ -65,14 +68,14 @@ class OverlapRelation(IntEnum):
 class Overlaps(Result):
     """Result of an OverlapQuery: one row for each pair of bodies that overlap.
 
-    That is, whose surfaces meet, or of which one has a component inside the other. `len(overlaps)` is the number of
-    rows.
+    Two bodies overlap if their surfaces meet, or if a component of one is inside the other. `len(overlaps)` is the
+    number of rows.
 
     Notes
     -----
-    Rows are sorted by first body, then second; the first is the lower one. So worlds follow each other; pairs among
-    bodies that are in all worlds occur once, and come last. Volumes, area vectors and torques are exact sums, rounded
-    once. The same bytes from every backend, instruction set and thread count.
+    Rows are sorted by first body, then second; the first is the lower one. So the rows of each world follow those of
+    the world before. Pairs of bodies that are both in all worlds occur once, and come last. Volumes, area vectors and
+    torques are exact sums, rounded once. Every backend, instruction set and thread count gives the same bytes.
     """
 
     _query: ClassVar[str] = "OverlapQuery"
@@ -175,10 +178,10 @@ class Overlaps(Result):
 
         Notes
         -----
-        The parts of a surface that are inside another body of a row, or inside their own body a second time, are opaque
-        and in a strong colour; all others are translucent. For that, bodies of rows are cut along the curves in which
-        they cross, which are searched again. So the file has other triangles than the scene. The file appears when it
-        is complete; Ctrl-C waits for the end.
+        The parts of a body's surface that are inside a body with which it overlaps are opaque and in a strong colour,
+        and so are those inside the body itself, for a body that overlaps itself. All other parts are translucent. To
+        separate them, bodies are cut along the curves in which they cross, which takes another search. So the file has
+        other triangles than the scene. The file appears when it is complete; Ctrl-C waits until then.
         """
         name = file_name(path)
         if extension_of(name) not in (".html", ".glb", ".3mf", ".obj", ".ply"):

@@ -1,4 +1,4 @@
-"""Consistency checks of unpickled results, for everything that accessors, pictures and files rely on."""
+"""Consistency checks of unpickled results, so that their attributes, pictures and files can rely on valid contents."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ class _CheckFeatures(_Check):
             return self._that(not (len(first) or len(last) or len(order)), offsets)
         for column, of, name in ((0, first, offsets), (1, last, second)):
             self._that(len(of) and of[0] == 0 and of[-1] == len(pairs) and (np.diff(of) >= 0).all(), name)
-            if self._request.scene == "part":  # offsets count positions in the part
+            if self._request.scene == "part":  # offsets are by position in the part, but `pairs` has ids
                 continue
             self._that((pairs[:, column] < len(of) - 1).all(), name)
             counts = np.bincount(pairs[:, column], minlength=len(of) - 1)
@@ -263,7 +263,7 @@ class _CheckOverlaps(_Check):
 
 
 class _CheckIntersections(_Check):
-    """Checks results about worlds; for meshes, all but pairs, which the extension module checks afterwards."""
+    """Checks of Intersections. For meshes, pairs are not checked here: the extension module checks them afterwards."""
 
     def all(self) -> None:
         found, request = self._found, self._request

@@ -1,4 +1,4 @@
-"""States of results for pickle, and results from these states, with all input validated."""
+"""States of results for pickle, and restoring of results from states, which are validated completely."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ._scene import RESULTS
 from ._world import World
 
 _RESULTS = {kind.__name__: kind for kind in RESULTS.values()}
-# Arrays that the class of each result declares. Arrays that were not requested are empty.
+# For each class of results, the arrays that it declares. In a state, arrays that were not requested are empty.
 _ARRAYS = {
     name: {array.found: array for base in kind.__mro__ for array in vars(base).values() if isinstance(array, Array)}
     for name, kind in _RESULTS.items()
@@ -33,7 +33,7 @@ _VALUES: dict[str, dict[str, type]] = {
 
 
 class Stored:
-    """Arrays and values of a restored result, in place of the extension module's result."""
+    """Replacement for the extension module's result in a restored result: arrays and values as attributes."""
 
     def __init__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -44,7 +44,7 @@ def _values_of(kind: str, found: Any) -> dict[str, Any]:
 
 
 def stored(kind: str, found: Any) -> dict[str, Any]:
-    """Returns a deep copy of the arrays and values of a result."""
+    """Returns deep, read-only copies of the arrays, and the values, of the result `found` of class `kind`, by name."""
     state = _values_of(kind, found)
     for name in _ARRAYS[kind]:
         state[name] = state[name].copy()
@@ -53,7 +53,7 @@ def stored(kind: str, found: Any) -> dict[str, Any]:
 
 
 def state_of(result: Result) -> tuple[Any, ...]:
-    """Returns the arguments with which `restore` makes an equal result. All arrays are NumPy's."""
+    """Returns the arguments with which `restore` makes an equal result. All arrays are NumPy arrays."""
     kind = type(result).__name__
     scene: tuple[Any, ...] = ()
     if isinstance(result, Intersections):
@@ -87,7 +87,7 @@ def _mesh_as_arrays(mesh: Mesh, which: str, triangles: int | None) -> tuple[Any,
 
 
 def restore(kind: Any, request: Any, state: Any, *scene: Any) -> Result:
-    """Makes a result of a state, with its own memory. Raises InvalidType or InvalidInput for an invalid state."""
+    """Makes a result from a state. Raises InvalidType or InvalidInput for an invalid state."""
     if not isinstance(kind, str) or kind not in _RESULTS:
         raise InvalidType(f"a result must be one of {', '.join(_RESULTS)}, not {kind!r}")
     arrays, values = _ARRAYS[kind], _VALUES[kind]

@@ -1,7 +1,7 @@
-"""Queries: the type selects what is searched for, and the type of the result.
+"""Queries: the type of a query selects what is searched for, and the type of the result.
 
-Each query is declared once. Its members are the keywords of the corresponding method of Detector, and what the
-extension module reads (python/src/queries.cpp). FuzzyCMeans is an option of detectors.
+The members of a query are also the keyword arguments of the corresponding method of Detector. The extension module
+reads them by name (python/src/queries.cpp). FuzzyCMeans, an option of detectors, is declared here, too.
 """
 
 from __future__ import annotations
@@ -28,10 +28,11 @@ class PairFilter:
     bodies : {"both", "between", "within"}, default "both"
         Pairs between different bodies, within one body, or both. Must be "both" for scenes other than worlds.
     groups : {"both", "between", "within"}, default "both"
-        Pairs between different groups, within one group, or both. Groups compare across bodies and meshes.
+        Pairs between different groups, within one group, or both. Equal groups of different bodies or meshes are one
+        group.
     excluded_bodies : iterable of pairs, or (k, 2) array_like of int, optional
-        Pairs of bodies of a world that are not tested, by name or index: sets ({"arm", "hand"}; {"arm"}: the arm with
-        itself), or sequences of two. In robotics, the allowed collision matrix.
+        Pairs of bodies of a world that are not tested, by name or index: sets such as {"arm", "hand"} ({"arm"} is the
+        arm with itself), or sequences of two. In robotics, this is the allowed collision matrix.
     excluded_groups : iterable of pairs, or (k, 2) array_like of int, optional
         Pairs of groups that are not tested.
     """
@@ -41,10 +42,10 @@ class PairFilter:
     excluded_bodies: Any = None
     excluded_groups: Any = None
 
-    _indices: ClassVar[Any] = None  # per object: (columns of a world, excluded_bodies by its indices), cached
+    _indices: ClassVar[Any] = None  # cache of each object: (columns of a world, excluded_bodies as its body indices)
 
     def __post_init__(self) -> None:
-        """Copies excluded pairs that are not an array into constants, so that their indices can be cached."""
+        """Replaces excluded pairs that are not an array by immutable copies, so that their indices can be cached."""
         pairs = self.excluded_bodies
         if isinstance(pairs, Iterable) and not isinstance(pairs, (str, bytes)) and not is_array(pairs):
             object.__setattr__(self, "excluded_bodies", tuple(map(_constant, pairs)))
@@ -60,11 +61,11 @@ def is_array(value: Any) -> bool:
 
 
 def _constant(pair: Any) -> Any:
-    """Returns a pair that cannot change later."""
+    """Returns an immutable copy of a pair, unless its type is unexpected."""
     if isinstance(pair, set):
         return frozenset(pair)
     if hasattr(pair, "tolist"):
-        pair = pair.tolist()  # a row of NumPy
+        pair = pair.tolist()  # a row of a NumPy array
     return tuple(pair) if isinstance(pair, list) else pair
 
 
@@ -77,11 +78,11 @@ class Query:
     """Base class of all queries."""
 
     filter: PairFilter
-    _call: ClassVar[str]  # name of the method of Detector, and part of the extension module's names
+    _call: ClassVar[str]  # name of the query in methods: Detector.impacts, and _find_impacts of the extension module
     _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports"})
     _methods: ClassVar[dict[str, str]]  # names of methods of the extension module's detector, by delivery
-    _read: ClassVar[Any] = None  # per object: cached query of the extension module
-    _requests: ClassVar[Any] = None  # per object: cached Requests of its results
+    _read: ClassVar[Any] = None  # cache of each object: the extension module's query
+    _requests: ClassVar[Any] = None  # cache of each object: the Requests of its results
 
     def __init_subclass__(cls) -> None:
         cls._methods = {delivery: f"_{delivery}_{cls._call}" for delivery in cls._deliveries}
@@ -102,27 +103,29 @@ class IntersectionQuery(Query):
     ----------
     output : {"any", "any_by_world", "body_pairs", "count", "pairs", "contacts"}, default "pairs"
         How much of the result is made: whether anything intersects, in which worlds, which bodies, the number of pairs,
-        all pairs, or all pairs with the points where each meets. The search ends as soon as the output is decided.
+        all pairs, or all pairs with the points of each intersection. The search ends as soon as the output is decided.
     neighbours : {"geometric", "skip"}, default "geometric"
-        Treatment of adjacent triangles, which share a vertex. "geometric": they intersect only if they meet outside the
-        hull of what they share (a fold does, a hinge does not); "skip": never reported.
+        Treatment of adjacent triangles, which share a vertex. "geometric": they intersect only if they have a common
+        point outside the convex hull of their shared vertices, as two triangles folded onto each other do, and the two
+        triangles of a hinge do not. "skip": they are never reported.
     kind : {"all", "proper"}, default "all"
         "all": touching counts; "proper": only if an edge strictly crosses the interior of the other triangle.
     weld : bool, default False
-        Vertices at equal positions count as one, including those of different meshes and bodies.
+        True: vertices at equal positions count as one, also if they belong to different meshes or bodies.
     containment : bool, default False
-        A body inside another one counts in the outputs "any", "any_by_world" and "body_pairs", never as pairs of
-        triangles. Intersections.inside marks such pairs of bodies. Two bodies count if their surfaces meet, or else if
-        a component of one has a vertex at which the winding number of the other's surface is not 0. For worlds and two
-        meshes, with `kind` "all", with the cpu and the reference backend.
+        True: a body inside another one counts in the outputs "any", "any_by_world" and "body_pairs", but never as pairs
+        of triangles. Intersections.inside marks such pairs of bodies. Two bodies count if their surfaces meet, or
+        otherwise if a component of one has a vertex at which the winding number of the other's surface is not 0. For
+        worlds and two meshes, with `kind` "all", with the cpu and the reference backend.
     open : {"error", "skip"}, default "error"
-        With `containment`, treatment of bodies whose surface is not closed, in pairs whose boxes overlap and whose
-        surfaces do not meet. "error": raises InvalidInput; "skip": nothing is inside them, and Intersections.skipped
-        lists them.
+        With `containment`, treatment of bodies whose surface is not closed, if they are in a pair whose boxes overlap
+        and whose surfaces do not meet. "error": raises InvalidInput; "skip": nothing counts as inside such a body, and
+        Intersections.skipped lists it.
     filter : PairFilter, optional
         Pairs to test.
     index : bool, default False
-        For worlds, also makes offsets by world and by body, and hit flags; meshes always have them.
+        True: results about worlds also have offsets by world and by body, and hit flags. Results about meshes always
+        have offsets and hit flags.
 
     Notes
     -----
@@ -152,9 +155,9 @@ class ImpactQuery(Query):
 
     In a step, every vertex moves straight from its start to its end.
 
-    An impact is a vertex and a face that does not name it, or two edges without a common vertex, that have a common
-    point at some time in [0, 1]. Features are closed and may be degenerate. An edge that passes through a face without
-    touching its vertices or edges is no impact, but an intersection.
+    An impact is a vertex and a face without that vertex, or two edges without a common vertex, that have a common point
+    at some time in [0, 1]. Features are closed and may be degenerate. If the inside of an edge meets the inside of a
+    face, and nothing else touches, the triangles intersect, but there is no impact.
 
     Parameters
     ----------
@@ -164,20 +167,22 @@ class ImpactQuery(Query):
     min_distance : float, default 0
         Features touch if their distance is at most this, in the units of the coordinates.
     min_distance_share : float, default 0
-        Minimum distance as a share, in [0, 1), of the pair's distance at the start. The larger of both applies.
+        Minimum distance as a share, in [0, 1), of the pair's distance at the start. If `min_distance` is given, too,
+        the larger of both distances applies.
     approaching_only : bool, default False
-        Drops features that touch at the start (by the minimum distance if there is one) and never come nearer than they
-        are at the start. If they do come nearer, `toi` is the last time before that. Features at distance 0 cannot come
-        nearer, so they are dropped whatever their motion.
+        True: drops pairs of features that touch at the start (whose distance is at most the minimum distance, if there
+        is one) and never come nearer than they are at the start. If they do come nearer, `toi` is the last time before
+        that. Features at distance 0 cannot come nearer, so they are always dropped.
     weld : bool, default False
-        Vertices with equal positions at start and end count as one: features with such a vertex are adjacent.
+        True: vertices with equal positions at the start and at the end count as one. Features that share such a vertex
+        are adjacent, and are not tested.
     filter : PairFilter, optional
         Pairs to test. A vertex or edge is in the group of its lowest triangle.
     index : bool, default False
-        For one mesh, also makes offsets by vertex, face and edge.
+        True: results about one mesh also have offsets by vertex, face and edge.
     triangle_pairs : bool, default False
-        Also finds pairs of triangles that intersect at the start, and those of which an impact names one feature each.
-        They count for `any` and `world_hit`; `first` remains an impact of features.
+        True: also finds pairs of triangles that intersect at the start, and pairs of triangles between whose features
+        there is an impact. These pairs count for `any` and `world_hit`; `first` remains an impact of features.
 
     Notes
     -----
@@ -199,7 +204,7 @@ class ImpactQuery(Query):
 
 @dataclass(frozen=True, kw_only=True)
 class FirstImpactQuery(Query):
-    """Query for the first impact of a step, of all worlds; the result is a FirstImpact, or None.
+    """Query for the first impact of a step, in all worlds together; the result is a FirstImpact, or None.
 
     Parameters
     ----------
@@ -220,14 +225,14 @@ class FirstImpactQuery(Query):
 class FreeStepQuery(Query):
     """Query for a share of a step that is free of impacts, and for the positions there; the result is a FreeStep.
 
-    The motion to these positions is free, as they are rounded. Positions vertices + toi * (end - vertices), computed in
-    floating point, belong to a different motion from that of `toi`.
+    The motion to these positions is free although they are rounded. The positions vertices + toi * (end - vertices)
+    need not be: computed in floating point, they belong to a slightly different motion from that of `toi`.
 
     Parameters
     ----------
     held : {"worlds", "bodies", "vertices"}, default "worlds"
-        What is held back if two features touch: their whole world (a mesh is one), the two bodies, or the vertices of
-        the two features. Everything else goes on.
+        Objects that are held back if two features touch: their whole world (a mesh is one world), the two bodies, or
+        the vertices of the two features. Everything else moves on.
     min_distance, min_distance_share, approaching_only, weld, filter
         As for ImpactQuery.
     triangle_pairs : bool, default False
@@ -235,10 +240,10 @@ class FreeStepQuery(Query):
 
     Notes
     -----
-    If two features touch, what `held` selects stops short of the time of contact, by 2**-16 of that time if this
-    suffices. The share is 0 if they touch at the start or too early. Features that touch at the start hold back their
-    whole world there. With `approaching_only` they do not; if they would come nearer, what `held` selects stays at the
-    start.
+    If two features touch, the objects that `held` selects stop before the time of contact: by 2**-16 of that time if
+    this suffices, otherwise by more. Their share is 0 if the features touch at the start, if only a share below 2**-40
+    would be free, or after 40 attempts. Features that touch at the start hold their whole world at the start. With
+    `approaching_only` they do not; if they would come nearer, only the objects that `held` selects stay at the start.
 
     Cost: one to three times that of a FirstImpactQuery; with held="bodies" and "vertices" that of an ImpactQuery for
     each of a few iterations.
@@ -259,8 +264,8 @@ class FreeStepQuery(Query):
 class ProximityQuery(Query):
     """Query for features whose distance is at most a radius, and for their distances; the result is Proximities.
 
-    Features are a vertex and a face that does not name it, or two edges without a common vertex. Two triangles that
-    intersect need not have features that are near.
+    A pair of features is a vertex and a face without that vertex, or two edges without a common vertex. Two triangles
+    that intersect need not have features that are near each other.
 
     Parameters
     ----------
@@ -270,29 +275,32 @@ class ProximityQuery(Query):
     radius : float
         Largest Euclidean distance, 0 or more, in the units of the coordinates. Required unless there are radii.
     radii : (n,) array_like of float64 or float32, optional
-        Replaces `radius`: one per vertex, for instance half the thickness of a cloth. The radius of an edge or a face
-        is the largest of its vertices'. Features are near if their distance is at most the sum of their radii, in real
-        numbers. For one mesh; shapes of a world have their own (Shape).
+        Radius of each vertex, instead of `radius`: for instance half the thickness of a cloth. The radius of an edge or
+        a face is the largest of the radii of its vertices. Features are near if their distance is at most the sum of
+        their radii, computed exactly. For one mesh; shapes of a world have radii of their own (Shape).
     strict : bool, default False
-        Near only if the distance is less than the radius, or than the sum of radii.
+        True: features are near only if their distance is less than the radius, or than the sum of their radii.
     closest : bool, default False
-        Also finds where the features of each pair are closest.
+        True: also finds where the features of each pair are closest.
     least : bool, default False
-        Also finds the least distance of each vertex, face and edge, for one mesh. Includes pairs that `rings` or `rest`
-        drop from the lists, so it can bound a step; together with these it takes a second search.
+        True: also finds the least distance of each vertex, face and edge, for one mesh. It includes pairs that `rings`
+        or `rest` drop from the lists, so that it can bound a step. If `rings` or `rest` is given, this takes a second
+        search.
     weld : bool, default False
-        Vertices at equal positions count as one: features with such a vertex are adjacent.
+        True: vertices at equal positions count as one. Features that share such a vertex are adjacent, and are never
+        near.
     rings : int, default 0
-        Adjacent features are never near: those with vertices that a path of at most so many edges connects. Newton's
-        topological contact filter. Cached while the edges stay the same.
+        Features are adjacent, and never near, if a path of at most this many edges connects a vertex of one with a
+        vertex of the other. 0: only if they have a common vertex. This is the topological contact filter of Newton, the
+        simulator. Paths are cached while the edges stay the same.
     rest : (n, 3) array_like of float32 or float64, optional
-        Rest shape: positions of the vertices. For one mesh; shapes of a world have their own (Shape).
+        Rest shape: positions of the vertices. For one mesh; shapes of a world have rest shapes of their own (Shape).
     rest_radius : float, default 0
         Features whose distance in the rest shape is at most this are never near.
     filter : PairFilter, optional
         Pairs to test. A vertex or edge is in the group of its lowest triangle.
     index : bool, default False
-        For one mesh, also makes offsets by vertex, face and edge.
+        True: results about one mesh also have offsets by vertex, face and edge.
 
     Notes
     -----
@@ -329,15 +337,16 @@ class CandidateQuery(Query):
     inflation : float, default 0
         Inflation of each box on all sides, 0 or more, in the units of the coordinates.
     weld : bool, default False
-        Vertices with equal positions at start and end count as one common vertex.
+        True: vertices with equal positions at the start and at the end count as one common vertex.
     filter : PairFilter, optional
         Pairs to test.
 
     Notes
     -----
     The box of a feature is axis-aligned and contains its vertices at the start and, if the scene moves, at the end. Two
-    features are a candidate if they have no common vertex and the gap between their original boxes is at most twice
-    `inflation` on every axis, in real numbers. So the lists are well-defined and complete: docs/candidates.md.
+    features are a candidate if they have no common vertex and the gap between their original boxes, computed without
+    rounding, is at most twice `inflation` on every axis. So the lists are well-defined and complete
+    (docs/candidates.md).
     """
 
     kinds: CandidateKind | Iterable[CandidateKind] = ("vertex_face", "edge_edge")
@@ -359,17 +368,17 @@ class DistanceQuery(Query):
     Parameters
     ----------
     output : {"pairs", "nearest"}, default "pairs"
-        "pairs": a row for each pair of bodies. "nearest": a row for each world, with its nearest pair of bodies, which
-        costs less. Pairs among bodies that are in all worlds belong to no world then, and have no row.
+        "pairs": a row for each pair of bodies. "nearest", which costs less: a row for each world, with its nearest pair
+        of bodies. With "nearest", pairs of bodies that are both in all worlds belong to no world, and have no row.
     radius : float, default inf
-        Lists only pairs of bodies whose distance is at most this, exactly: 0 or more, or infinite.
+        Lists only pairs of bodies whose exact distance is at most this: 0 or more, or infinite.
     filter : PairFilter, optional
-        Pairs of triangles that count. Pairs within a body never do.
+        Pairs of triangles that count. Pairs within a body never count.
 
     Notes
     -----
-    With the cpu and the reference backend. Cost: with named shapes, which are cached, some microseconds to some ten per
-    pair of bodies. More in docs/nearest.md.
+    Supported by the cpu and the reference backend. Cost: with named shapes, which are cached, a few to some ten
+    microseconds per pair of bodies. More in docs/nearest.md.
     """
 
     output: Literal["nearest", "pairs"] = "pairs"
@@ -392,28 +401,28 @@ class OverlapQuery(Query):
         How much of the result is made: whether any two bodies overlap, in which worlds, which bodies and their
         relation, or all numbers.
     min_volume : float, default 0
-        Least volume of an overlap, in magnitude and as it is rounded; in the units of the world, cubed.
+        Lists only overlaps with at least this volume, in magnitude and as rounded, in cubed units of the world.
     open : {"error", "skip", "curves"}, default "error"
         Treatment of bodies whose surface is not closed. "error": raises InvalidInput that names an edge; "skip": their
         pairs have no rows, and Overlaps.skipped lists them; "curves": their pairs have a row if the surfaces meet, with
         the relation UNDEFINED, the contact area and curves, but no other numbers.
     weld : bool, default False
-        Merges vertices of a shape at equal positions, which closes seams, as of STL files.
+        True: merges vertices of a shape at equal positions, which closes seams, as in STL files.
     self_overlaps : bool, default False
-        Also finds the overlap of each body with itself, whatever its self_collisions: rows (i, i), volumes of bodies,
-        and whether they are solids. Always on for a scene of one mesh.
+        True: also finds the overlap of each body with itself, regardless of its self_collisions: rows (i, i), volumes
+        of bodies, and whether they are solids. Always on for a scene of one mesh.
     gradient : bool, default False
-        Also makes the derivatives of the volumes by the vertices.
+        True: also computes the derivatives of the volumes with respect to the vertices.
     curves : bool, default False
-        Also makes the curves in which surfaces cross; not those of a body with itself.
+        True: also computes the curves in which surfaces of different bodies cross.
     windings : bool, default False
-        Also makes winding numbers at the vertices.
+        True: also computes winding numbers at the vertices.
     filter : PairFilter, optional
         Pairs of bodies to test.
 
     Notes
     -----
-    With the cpu and the reference backend. More in docs/overlap.md.
+    Supported by the cpu and the reference backend. More in docs/overlap.md.
     """
 
     output: Literal["any", "any_by_world", "body_pairs", "pairs"] = "pairs"
@@ -437,11 +446,11 @@ _keywords = {query: {f.name for f in fields(query)} for query in _PLAIN}  # keyw
 
 
 def query_of(query: type[Query], options: dict[str, Any]) -> Query:
-    """Returns a query with these members. Caches queries of strings and numbers only, which saves microseconds."""
+    """Returns a query with these members. Caches queries whose options are only strings and numbers, to save time."""
     if not options:
         return _PLAIN[query]
     types = tuple(map(type, options.values()))
-    key = (query, types, tuple(options.items())) if _SIMPLE.issuperset(types) else None  # with types, because True == 1
+    key = (query, types, tuple(options.items())) if _SIMPLE.issuperset(types) else None  # with types: True == 1
     made = _made.get(key)
     if made is None:
         for name in options:
@@ -458,9 +467,9 @@ def query_of(query: type[Query], options: dict[str, Any]) -> Query:
 
 
 def keywords_of(query: type[Query]) -> Callable[[Function], Function]:
-    """Decorates a method so that its signature lists the members of a query.
+    """Decorates a method so that its signature lists the members of a query after its own parameters.
 
-    The method takes these members as **options, for query_of, besides its own parameters.
+    The method receives these members as **options, and passes them to query_of.
     """
 
     def with_members(method: Function) -> Function:
@@ -479,21 +488,21 @@ def keywords_of(query: type[Query]) -> Callable[[Function], Function]:
 
 @dataclass(frozen=True)
 class FuzzyCMeans:
-    """Parameters of fuzzy C-means, which places the centres of clusters: for researchers. No result depends on them.
+    """Parameters of fuzzy C-means, which places the centres of clusters, for researchers. No result depends on them.
 
     Parameters
     ----------
     fuzziness : float, default 2
-        t of [1]_, eq. 2, above 1.
+        The exponent t of [1]_, eq. 2; above 1.
     max_iterations : int, default 2
-        Most iterations of a call that is warm-started from the centres of the previous call.
+        Largest number of iterations in a call that is warm-started from the centres of the previous call.
     first_iterations : int, default 5
-        Most iterations of a first frame, which has no centres to start from.
+        Largest number of iterations in a first call, which has no centres to start from.
     stop : float, default 1e-2
-        Iteration stops when no centre moves further than this in any coordinate, in units of the scene's extent rounded
+        Iteration stops when no centre moves further than this in any coordinate. Unit: the extent of the scene, rounded
         up to a power of two.
     first_stop : float, default 1e-4
-        As `stop`, for a first frame.
+        The same as `stop`, for a first call.
 
     References
     ----------
@@ -512,7 +521,7 @@ class FuzzyCMeans:
 
 
 def check_fuzzy_c_means(given: FuzzyCMeans) -> FuzzyCMeans:
-    """Returns its argument. Raises InvalidType if it is not a FuzzyCMeans."""
+    """Returns `given` unchanged. Raises InvalidType if it is not a FuzzyCMeans."""
     if isinstance(given, FuzzyCMeans):
         return given
     raise InvalidType(f"fuzzy_c_means must be a crumple.FuzzyCMeans, not {type(given).__name__}", element="option")

@@ -15,18 +15,19 @@ from ._world import World
 
 
 class MeshShare:
-    """Local mesh of a rank: triangles, with all vertices that they name.
+    """Local mesh of a rank (MPI process): some triangles of the scene, with all of their vertices.
 
     Parameters
     ----------
     mesh : mesh
         Anything that crumple.as_mesh takes. Its faces are indices of this rank's vertices. May be empty.
     triangle_ids : (m,) array_like of int64, optional
-        Number of each local triangle; over all ranks 0 to N - 1, each exactly once. None on all ranks: triangles are
-        numbered rank by rank.
+        Id of each local triangle. Over all N triangles of all ranks, the ids are 0 to N - 1, each exactly once. None on
+        all ranks: triangles are numbered rank by rank.
     vertex_ids : (n,) array_like of int64, optional
-        Number of each local vertex. Several ranks may have the same vertex (ghost vertices), equal bit by bit, which
-        makes their triangles adjacent. None on all ranks: vertices are numbered rank by rank, without ghost vertices.
+        Id of each local vertex. Several ranks may have the same vertex (ghost vertices): its coordinates must be equal
+        bit by bit, and triangles of different ranks that share it are adjacent. None on all ranks: vertices are
+        numbered rank by rank, without ghost vertices.
 
     Notes
     -----
@@ -44,15 +45,15 @@ class MeshShare:
 
 
 class WorldShare:
-    """Local bodies of a rank. All ranks share one world, so they are all in world 0.
+    """Local bodies of a rank (MPI process). All ranks share one world, so all bodies are in world 0.
 
     Parameters
     ----------
     world : World
-        Bodies of this rank. Shapes must not have edges, points, radii or a rest shape. Poses are in host memory.
+        Bodies of this rank. Shapes must not have edges, points, radii or a rest shape. Poses must be in host memory.
     body_ids : (n,) array_like of int64, optional
-        Number of each local body; over all ranks 0 to B - 1, each exactly once. None on all ranks: bodies are numbered
-        rank by rank.
+        Id of each local body. Over all B bodies of all ranks, the ids are 0 to B - 1, each exactly once. None on all
+        ranks: bodies are numbered rank by rank.
 
     Notes
     -----
@@ -84,7 +85,7 @@ def share_of(scene: Any, triangle_ids: Any, vertex_ids: Any, body_ids: Any) -> M
 
 
 def excluded_of_ranks(pairs: Any) -> Any:
-    """Returns excluded bodies as (n, 2) int32 numbers over all ranks, or None. Names are local, and refused."""
+    """Returns excluded pairs of bodies as (n, 2) int32 ids over all ranks, or None. Refuses names, which are local."""
     if pairs is None:
         return None
     import numpy as np
@@ -108,8 +109,8 @@ _ROWS = ("vertex_face", "edge_edge")
 class _OfRank(Result):
     """Base class of results of ranks: local rows, with `any`, `count` and `first` over all ranks.
 
-    The rows of all ranks, merged, are those of crumple.Detector.find for the whole scene. Triangles, vertices, edges
-    and bodies have their numbers over all ranks. Arrays are read-only views.
+    The rows of all ranks, merged, are those of crumple.Detector.find for the whole scene. Ids of triangles, vertices,
+    edges and bodies count over all ranks. Arrays are read-only views.
     """
 
     def save(self, *_: Any, **__: Any) -> None:
@@ -123,8 +124,8 @@ class _OfRank(Result):
 class Intersections(_OfRank, _intersections.Intersections):
     """Local rows of intersections: pairs whose first triangle or first body this rank has provided, in order.
 
-    `len(result)` is the number of local rows, and `count` that over all ranks. `bool(result)` is True if anything
-    intersects on any rank.
+    `len(result)` is the number of local rows, and `count` the number of rows of all ranks. `bool(result)` is True if
+    anything intersects on any rank.
     """
 
     def _check(self, name: str) -> None:
@@ -175,7 +176,7 @@ class _Features(_OfRank, _features.FeatureResult):
 class Impacts(_Features, _features.Impacts):
     """Local rows of the impacts of a step: those whose first feature belongs to this rank, in order.
 
-    An edge of `first` is a number over all ranks. Only the rank whose rows contain the edge has its vertices.
+    Edges in `first` have ids over all ranks. Only the rank whose rows contain such an edge has its vertices.
     """
 
 
@@ -189,7 +190,7 @@ _RESULTS = {"intersections": Intersections, "impacts": Impacts, "proximities": P
 
 
 def show(found: Any, query: Any, of_world: bool) -> Any:
-    """Wraps the extension module's result of a query."""
+    """Makes the result of a query from the result of the extension module, `found`."""
     listed = query.output in ("pairs", "contacts")
     options = frozenset({"closest"} if listed and getattr(query, "closest", False) else ())
     request = Request("world" if of_world else "mesh", of_world, query.output, options, (), False, False)

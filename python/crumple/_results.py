@@ -21,20 +21,20 @@ if TYPE_CHECKING:
 
 
 class Request(NamedTuple):
-    """Request of a result: what was searched and made.
+    """Description of the request that a result is for: the scene, and what was searched for.
 
     Attributes
     ----------
     scene : {"mesh", "meshes", "world", "part"}
         Kind of the scene.
     of_bodies : bool
-        True if rows have bodies.
+        True if rows name bodies.
     output : str
-        As in the query.
+        Member `output` of the query.
     options : frozenset of str
-        Members of the query that are true, such as "index".
+        Names of the members of the query that are true, such as "index".
     kinds : tuple of str
-        Kinds of candidates.
+        Requested kinds of candidates; empty for other queries.
     copy : bool
         True if arrays are writable copies.
     block : bool
@@ -51,7 +51,7 @@ class Request(NamedTuple):
 
 
 class Array(cached_property[Any]):
-    """Descriptor of an array of a result, which its pickles contain, too.
+    """Descriptor of an array of a result. Pickles of the result contain this array.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Array(cached_property[Any]):
     columns : tuple of int
         Shape of each row.
     found : str
-        Name in the extension module: that of the attribute, without a leading underscore.
+        Name of the array in the extension module: the name of the attribute, without a leading underscore.
     """
 
     def __init__(self, dtype: str, about: str, columns: tuple[int, ...]) -> None:
@@ -72,7 +72,7 @@ class Array(cached_property[Any]):
         self.found = name.removeprefix("_")
 
 
-# Functions that declare an array of a result, one for each type of elements. `about` is its docstring.
+# Functions that declare an array of a result, one for each type of elements. `about` is the docstring of the array.
 
 
 def uint8(about: str, columns: tuple[int, ...] = ()) -> cached_property[NDArray[np.uint8]]:
@@ -101,8 +101,9 @@ class Result:
     Notes
     -----
     A result outlives its detector, and no later call changes it. Its arrays are read-only views that keep the library's
-    memory alive. When all of them are gone, the detector's next call reuses the memory. With `copy=True` arrays are
-    writable copies. An attribute that was not requested raises InvalidInput, with the option that requests it.
+    memory alive. When the result and all of these views are gone, the detector's next call reuses the memory. With
+    `copy=True`, arrays are writable copies. Access to an attribute that was not requested raises InvalidInput, which
+    names the option that requests it.
 
     Results can be copied and pickled: copy.copy shares the arrays, copy.deepcopy does not. Unpickling raises
     InvalidInput if the members are inconsistent. Copies and pickles do not contain changes to the arrays of
@@ -114,10 +115,10 @@ class Result:
     def __init__(self, found: Any, request: Request, *scene: Any) -> None:
         self._found = found  # the extension module's result, or _pickles.Stored
         self._request = request
-        self._scene = scene  # parts of the scene for files and pictures
+        self._scene = scene  # what files and pictures need of the scene: meshes, or a world and its poses
 
     def _check(self, name: str) -> None:
-        """Raises InvalidInput for an attribute that was not requested."""
+        """Raises InvalidInput if the attribute `name` was not requested. Subclasses override this."""
 
     def _refuse(self, name: str, how: str) -> None:
         raise InvalidInput(f"{name} was not requested: {self._query}({how})")
@@ -171,13 +172,13 @@ def file_name(path: Any) -> str:
 
 
 def extension_of(name: str) -> str:
-    """Returns the extension in lower case; .csv for pairs.csv.gz, which is compressed."""
+    """Returns the extension in lower case. For a compressed file such as pairs.csv.gz, returns ".csv"."""
     path = Path(name)
     return (path.with_suffix("") if path.suffix.lower() == ".gz" else path).suffix.lower()
 
 
 class ContactKind(IntEnum):
-    """Dimension of the intersection of two triangles, which has 1, 2, or 3 to 6 extreme points."""
+    """Dimension of the intersection of two triangles: a point, a segment, or an area with 3 to 6 corners."""
 
     POINT = 1
     SEGMENT = 2
@@ -185,7 +186,7 @@ class ContactKind(IntEnum):
 
 
 class Contacts:
-    """Contacts of the pairs of a result: the whole intersection of each pair, by its extreme points.
+    """Contacts of the pairs of a result: the whole intersection of each pair, given by its extreme points.
 
     `contacts[i]` has the points of pair i, and `len(contacts)` is the number of pairs.
 
@@ -196,12 +197,12 @@ class Contacts:
     offsets : (pairs + 1,) ndarray of int64
         Pair i has the points points[offsets[i]:offsets[i + 1]].
     points : (k, 3) ndarray of float64
-        1, 2, or 3 to 6 points per pair.
+        Extreme points: 1 of a point, 2 of a segment, 3 to 6 of an area.
 
     Notes
     -----
-    Each coordinate is exact, then rounded to the nearest float64. The lexicographically smallest exact point comes
-    first. Areas run counter-clockwise about the first triangle's normal.
+    Each coordinate is computed exactly, then rounded to the nearest float64. The lexicographically smallest exact point
+    comes first. The points of an area run counter-clockwise about the first triangle's normal.
     """
 
     kinds: NDArray[np.uint8]
@@ -239,9 +240,9 @@ class Distances(Result):
 
     Notes
     -----
-    Rows are sorted by first body, then second; the first is the lower one. So worlds follow each other; pairs among
-    bodies that are in all worlds occur once, and come last. The same bytes from every backend, instruction set and
-    thread count.
+    Rows are sorted by first body, then second; the first is the lower one. So the rows of each world follow those of
+    the world before. Pairs of bodies that are both in all worlds occur once, and come last. Every backend, instruction
+    set and thread count gives the same bytes.
     """
 
     _query = "DistanceQuery"

@@ -1,4 +1,4 @@
-"""Motions of rigid bodies in pieces, for queries about motion, which move vertices straight."""
+"""Motions of rigid bodies, cut into pieces for queries about motion, which move vertices along straight lines."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 
 
 class RigidMotion(NamedTuple):
-    """Motion of rigid bodies, cut into pieces in which vertices move straight.
+    """Motion of rigid bodies, cut into pieces in which vertices move along straight lines.
 
     Attributes
     ----------
     poses : (pieces + 1, n, 3, 4) ndarray of float64
         Piece k moves from poses[k] to poses[k + 1].
     min_distance : float
-        Bound on how much nearer two bodies come in the motion than in its pieces. Add it to a minimum distance so that
-        no piece misses a contact of the motion.
+        Upper bound on how much nearer two bodies can come in the motion than in the pieces. Add it to the minimum
+        distance of a query, so that the pieces miss no contact of the motion.
     """
 
     poses: NDArray[np.float64]
@@ -43,7 +43,7 @@ def _poses(given: Any, name: str) -> NDArray[np.float64]:
 
 @suggesting
 def cut_rigid_motion(start: Any, end: Any, radii: Any, tolerance: float) -> RigidMotion:
-    """Cuts a rigid motion between two poses of each body into pieces in which vertices move straight.
+    """Cuts a rigid motion between two poses of each body into pieces in which vertices move along straight lines.
 
     Each body turns about its origin by at most half a turn, at a constant rate about a fixed axis, while the origin
     moves straight. Search piece k as `world.at(poses[k], poses[k + 1])`, with `min_distance` of the result added to the
@@ -56,7 +56,7 @@ def cut_rigid_motion(start: Any, end: Any, radii: Any, tolerance: float) -> Rigi
     radii : (n,) array_like of float
         Largest distance of a vertex from the origin of its shape, for each body.
     tolerance : float
-        Upper bound on `min_distance` of the result, plus some units in the last place of the largest coordinate.
+        Upper bound on `min_distance` of the result, up to some units in the last place of the largest coordinate.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Scenes from the arguments of calls, queries checked against them, and results."""
+"""Scenes from the arguments of calls, checks of queries for a scene, and results for callers."""
 
 from __future__ import annotations
 
@@ -33,9 +33,10 @@ _WHOLE = (World, Mesh, _core.Part)
 def scene_of(
     given: Any, second: Any = None, groups: Any = None, *, end: Any = None, edges: Any = None, points: Any = None
 ) -> Scene:
-    """Returns a scene of one object, of two meshes, or of vertices and faces, with attributes of a mesh.
+    """Returns the scene of one object, of two meshes, or of vertices and faces. Keywords are attributes of the mesh.
 
-    One object is a World, a Part, a list or tuple of two meshes, or anything that as_mesh takes.
+    `given` and `second` are an object and None, two meshes, or vertices and faces. The object is a World, a Part, a
+    list or tuple of two meshes, or anything that as_mesh takes.
     """
     is_plain = second is None and end is None and groups is None and edges is None and points is None
     if is_plain and isinstance(given, _WHOLE):
@@ -57,14 +58,14 @@ def scene_of(
 
 
 def step_of(start: Any, end: Any, faces: Any, groups: Any = None, edges: Any = None, points: Any = None) -> Any:
-    """Returns the scene of (start, end, faces), of (mesh, end), or of a scene that has positions at the end."""
+    """Returns the scene of a step, given as (start, end, faces), as (mesh, end), or as a scene with end positions."""
     if end is not None and faces is None and is_mesh(end):
         return scene_of(start, end, groups=groups, edges=edges, points=points)
     return scene_of(start, faces, end=end, groups=groups, edges=edges, points=points)
 
 
 def kind_of(scene: Scene) -> str:
-    """Returns "mesh", "meshes", "world" or "part"."""
+    """Returns the kind of a scene: "mesh", "meshes", "world" or "part"."""
     if isinstance(scene, World):
         return "world"
     if isinstance(scene, _core.Part):
@@ -73,7 +74,7 @@ def kind_of(scene: Scene) -> str:
 
 
 def excluded_in(scene: Scene, pairs: PairFilter) -> Any:
-    """Returns excluded pairs of bodies by their indices: (k, 2) int32; cached per world for callers in a loop."""
+    """Returns the indices of excluded pairs of bodies: (k, 2) int32. Caches them in the filter, for calls in a loop."""
     if not isinstance(scene, World):
         raise InvalidInput("excluded_bodies are bodies of a crumple.World")
     kept = pairs._indices
@@ -88,7 +89,7 @@ def excluded_in(scene: Scene, pairs: PairFilter) -> Any:
 
 
 def with_names(scene: Scene, error: InvalidInput) -> InvalidInput:
-    """Returns the error with names of bodies and shapes in its message if the scene is a world."""
+    """Returns the error. If the scene is a world, adds the names of bodies and shapes to its message."""
     named = _named(scene, str(error)) if isinstance(scene, World) else str(error)
     if named == str(error):
         return error
@@ -96,13 +97,13 @@ def with_names(scene: Scene, error: InvalidInput) -> InvalidInput:
 
 
 def _of_shape(number: int) -> str:
-    """Describes a named shape by its number, which was made here for a str and for a private name."""
+    """Returns a description of a named shape, from the number of its name (Shape.name), for messages."""
     name = name_of_number(number)
     return "what a file named " if name is None else f"what is named {name!r} "
 
 
 def _named(world: World, message: str) -> str:
-    """Replaces numbers in a message by names: of a body, with its configuration, and of a shape."""
+    """Returns the message with the name of the shape instead of its number, and with the body's name added."""
     message = re.sub(r"what is named (\d+) ", lambda found: _of_shape(int(found[1])), message)
     found = re.match(r"body (\d+): ", message)
     if not found or int(found[1]) >= len(world):
@@ -122,7 +123,7 @@ def checked_copy(copy: Any) -> bool:
 
 
 def checked_query(scene: Any, query: Any) -> Any:
-    """Returns a query that was checked for the scene, with its kinds as a tuple."""
+    """Returns the query after checks of its type and for the scene. The kinds of a CandidateQuery become a tuple."""
     if type(query) is IntersectionQuery and type(query.filter) is PairFilter:
         return query
     if not isinstance(query, Query):
@@ -162,7 +163,7 @@ def _check_radius(scene: Any, query: ProximityQuery) -> None:
         raise InvalidInput("radius cannot be given together with radii")
 
 
-#: Type of the result, by the name of the call.
+#: Type of the result, by the name of the query in methods (Query._call).
 RESULTS: dict[str, type[Result]] = {
     "intersections": Intersections,
     "impacts": Impacts,
@@ -175,7 +176,7 @@ _OPTIONS = ("index", "triangle_pairs", "closest", "least", "self_overlaps", "gra
 
 
 def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) -> Any:
-    """Wraps the extension module's result of a query."""
+    """Makes the result of a query for the caller from the result of the extension module, `found`."""
     requests = query._requests  # cached, because callers use a query many times
     if requests is None:
         requests = query.__dict__["_requests"] = {}
@@ -210,7 +211,10 @@ def _request_of(query: Any, kind: str, copy: bool, block: bool) -> Request:
 
 
 def _kept(scene: Any, kind: str) -> tuple[Any, ...]:
-    """Returns what files and pictures of meshes need: two meshes, and ids of triangles of a part."""
+    """Returns what files and pictures need: the first and second mesh and, for a part, the ids of their triangles.
+
+    Items that do not exist are None.
+    """
     if kind == "part":
         second = None if scene.second is None else Mesh(*scene.second)
         return Mesh(*scene.mesh), second, scene.triangles, None if second is None else scene.triangles_second

@@ -1,4 +1,4 @@
-"""Other versions of this package: refuses two installed distributions, and maps names in old pickles."""
+"""Other versions of this package: refuses two installed distributions, and maps names in pickles of old versions."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def refuse_two(folder: str) -> None:
 
 
 def refuse(*_: Any) -> Any:
-    """Replaces the functions that restored results of version 0.2, whose classes are gone. Raises InvalidInput."""
+    """Raises InvalidInput. Replaces functions that restored results of version 0.2, whose classes no longer exist."""
     raise InvalidInput(
         "this was pickled by crumple 0.2, whose results crumple 0.3 does not read: "
         "unpickle it with crumple 0.2 and save its arrays"
     )
 
 
-# Replacements of functions and classes that old pickles name, by their former modules.
+# For functions and classes that old pickles name, with their former modules: the present ones.
 _MOVED = {
     "_candidates._restore": "_versions.refuse",
     "_feature_pickling.restore": "_versions.refuse",
@@ -62,7 +62,7 @@ _MOVED = {
 
 
 class _Gone(ModuleType):
-    """Replacement of a former module."""
+    """Module that replaces a former module, so that names in it can be imported from old pickles."""
 
     def __getattr__(self, name: str) -> Any:
         place = _MOVED.get(f"{self.__name__.removeprefix('crumple.')}.{name}")

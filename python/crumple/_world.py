@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from ._errors import InvalidInput, InvalidType, suggesting
-from ._mesh import Mesh, OwnName, Shape, constant_shape, shape_of  # noqa: F401, pickles of 0.2 name OwnName here
+from ._mesh import Mesh, OwnName, Shape, constant_shape, shape_of  # noqa: F401, pickles of 0.2 find OwnName here
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,22 +17,22 @@ if TYPE_CHECKING:
 
 
 class Body(NamedTuple):
-    """One body, for worlds that are made body by body. World also takes arrays for all bodies.
+    """Body of a world, for worlds that are made body by body. World also takes arrays with values for all bodies.
 
     Attributes
     ----------
     shape : int or Shape
-        Index into the world's shapes, or one of these shapes.
+        Index into the shapes of the World, or one of these shapes.
     pose : (3, 4) or (4, 4) array_like, or None
         Affine map; the last row of (4, 4) is 0 0 0 1. None: identity.
     group : int
-        Group of its triangles if the shape has no groups.
+        Group of the body's triangles if the shape has no groups.
     world : int
-        World that contains the body; -1: all worlds.
+        Index of the world that contains the body; -1: all worlds.
     self_collisions : bool
-        True: also pairs within the body.
+        True: queries also search for pairs within the body.
     name : str
-        Name for exclusions and messages; "": none.
+        Name for excluded pairs and messages; "": no name.
     end_pose : (3, 4) or (4, 4) array_like, or None
         Pose at the end of a step; None: the same as `pose`.
     """
@@ -47,26 +47,26 @@ class Body(NamedTuple):
 
 
 class World(_core.World):
-    """Bodies, each a shape under a pose. Any number of bodies may use one shape.
+    """World of bodies. A body is a shape with a pose. Any number of bodies may use the same shape.
 
     Parameters
     ----------
     shapes : iterable of Shape or mesh
         Shapes, or meshes that as_mesh takes.
     bodies : (n,) array_like of int, or sequence of Body, optional
-        Index of each body's shape; None: one body per shape. With a sequence of Body, the arguments below must not be
-        given.
+        Index of each body's shape; None: one body per shape. Or a sequence of Body; then the arguments below must not
+        be given.
     poses : (n, 3, 4) or (n, 4, 4) array_like of float64 or float32, optional
         Affine maps; the last row of (4, 4) is 0 0 0 1. None: identity for all.
     groups : int or (n,) array_like of int, optional
-        Groups, within int32, of the triangles of shapes without groups.
+        Group of each body, within the range of int32, for bodies whose shape has no groups.
     worlds : (n,) array_like of int, optional
-        World of each body, ascending. Bodies of different worlds are never paired. -1: in all worlds; such bodies come
-        last. None: all in world 0.
+        World index of each body, ascending. Bodies of different worlds are never paired. Bodies with index -1 are in
+        all worlds, and come last. None: all bodies are in world 0.
     self_collisions : bool or (n,) array_like of bool, default False
-        True: also pairs within the body.
+        True: queries also search for pairs within the body.
     names : iterable of str, optional
-        Names for exclusions and messages, unique unless empty.
+        Names for excluded pairs and messages, unique unless empty.
     end_poses : array_like, optional
         Poses at the end of a step, as `poses`, for queries about motion: each posed vertex moves straight from start to
         end. None: the same as `poses`.
@@ -74,7 +74,8 @@ class World(_core.World):
     Attributes
     ----------
     unit : {"um", "mm", "cm", "in", "ft", "m"} or None
-        Unit of the coordinates, as read_world found it; None: unknown. Files of Intersections.save keep it.
+        Unit of the coordinates that read_world found in the file; None: unknown. Files that Intersections.save writes
+        have this unit.
 
     Raises
     ------
@@ -86,10 +87,10 @@ class World(_core.World):
     `len(world)` is the number of bodies. Poses may be replaced at any time (`world.poses = poses`, `world.end_poses =
     poses`), which costs next to nothing; nothing else can change.
 
-    Each search reads the poses. It reads float64 poses of three rows without gaps in place, and copies others. So the
-    array may change between searches. With the cuda backend, Detector.find also takes poses in CUDA memory through
-    DLPack, (n, 3, 4) without gaps. Then bodies and shapes stay cached on the device between calls of Detector.find and
-    Detector.launch; other queries download the poses.
+    Each search reads the current contents of the pose arrays, so these may change between searches. Contiguous float64
+    arrays of shape (n, 3, 4) are read in place, others are copied. With the cuda backend, Detector.find also accepts
+    contiguous poses of shape (n, 3, 4) in CUDA memory, through DLPack. Bodies and shapes then stay cached on the device
+    between calls of Detector.find and Detector.launch; other queries download the poses.
 
     docs/worlds.md defines the results, and posed vertices to the bit.
     """
@@ -147,7 +148,7 @@ class World(_core.World):
         """Makes the world of a trimesh.Scene: each node with a mesh is a body, with its name and transform.
 
         Several nodes that use one geometry share a shape. Paths and points are left out. Vertices and faces are copied,
-        so that detectors can cache them: make a world once, and replace its poses.
+        so that detectors can cache data about them: make a world once, then only replace its poses.
 
         Parameters
         ----------
@@ -173,7 +174,7 @@ class World(_core.World):
         for node in scene.graph.nodes_geometry:
             transform, geometry = scene.graph[node]
             mesh = scene.geometry[geometry]
-            if not hasattr(mesh, "faces"):  # paths and points
+            if not hasattr(mesh, "faces"):  # the geometry is a path or points
                 continue
             if geometry not in places:
                 places[geometry] = len(shapes)
@@ -185,10 +186,10 @@ class World(_core.World):
         return World(shapes, of, poses=np.array(poses).reshape(-1, 4, 4), names=names)
 
     def configurations(self, poses: Any, end_poses: Any = None) -> World:
-        """Makes a world of many configurations of this world's bodies, each in a world of its own.
+        """Makes a world of many configurations of this world's bodies. Each configuration has a world index of its own.
 
-        Bodies in world 0 are repeated for each configuration. Bodies in all worlds (-1) are static: they stay as they
-        are, and can collide with each configuration.
+        Bodies in world 0 are repeated for each configuration. Bodies in all worlds (-1) are static: they keep their
+        poses, and can collide with the bodies of each configuration.
 
         Parameters
         ----------
@@ -200,19 +201,19 @@ class World(_core.World):
         Returns
         -------
         World
-            Body b of configuration c has index c * m + b; static bodies follow. Names and indices in `excluded_bodies`
-            are those of this world, and apply to each configuration. `world.poses = poses` sets other poses, of the
-            same shape.
+            Body b of configuration c has index c * m + b; static bodies follow. In `excluded_bodies`, use the names and
+            indices of this world; they apply to each configuration. `world.poses = poses` sets other poses, in an array
+            of the same shape.
 
         Raises
         ------
         InvalidInput
-            If this world has other worlds than 0 and -1, is itself made of configurations, or the shape of `poses` is
-            wrong.
+            If this world has world indices other than 0 and -1, is itself made of configurations, or the shape of
+            `poses` is wrong.
 
         Notes
         -----
-        Cost: some nanoseconds per body. With static bodies, each search copies 96 bytes per body.
+        Cost: some nanoseconds per body. If there are static bodies, each search copies the poses, 96 bytes per body.
         """
         if self._base is not None:
             raise InvalidInput("configurations are made of a world that is none of configurations itself")
@@ -244,12 +245,12 @@ class World(_core.World):
         return made
 
     def at(self, poses: Any, end_poses: Any = None) -> World:
-        """Returns a world of the same bodies under other poses. It shares everything else.
+        """Returns a world of the same bodies with other poses. Everything else is shared with this world.
 
         Parameters
         ----------
         poses, end_poses : array_like
-            Poses, as World takes them.
+            Poses, in the form that World takes.
 
         Returns
         -------
@@ -275,7 +276,7 @@ class World(_core.World):
         return self._shapes
 
     def _column(self, name: str) -> Any:
-        """Returns a column. For configurations, repeats entries of moving bodies; those of static ones follow."""
+        """Returns a column: one entry per body. For configurations, entries of moving bodies are repeated."""
         if self._base is None:
             return self._columns[name]
         if name not in self._columns:
@@ -293,12 +294,12 @@ class World(_core.World):
 
     @property
     def originals(self) -> NDArray[np.int32]:
-        """For each body its index in the world that configurations are made from, else its own: (n,) int32."""
+        """Index of each body in the world that configurations are made from; else its own index: (n,) int32."""
         return self._column("originals")
 
     @property
     def distinct(self) -> int:
-        """Number of bodies in one configuration, including static ones; otherwise len(world)."""
+        """Number of bodies in one configuration, including static ones; without configurations, len(world)."""
         return len(self) if self._base is None else len(self._base)
 
     @property
@@ -313,24 +314,24 @@ class World(_core.World):
 
     @property
     def worlds(self) -> NDArray[np.int32]:
-        """World of each body; -1: in all worlds: (n,) int32."""
+        """World index of each body, or -1 for bodies in all worlds: (n,) int32."""
         return self._column("worlds")
 
     @property
     def self_collisions(self) -> NDArray[np.bool_]:
-        """True for bodies with pairs within: (n,) bool."""
+        """True for bodies within which queries also search for pairs: (n,) bool."""
         return self._column("self_collisions")
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the bodies, "" for none. For configurations, those of the world that they are made from."""
+        """Names of the bodies, "" for none. For configurations, the names in the world that they are made from."""
         return self._names if self._base is None else self._base._names
 
     @property
     def mesh(self) -> Mesh:
-        """All posed bodies as one mesh, body after body; the groups are the indices of the bodies.
+        """All posed bodies as one mesh, body after body; the group of each triangle is the index of its body.
 
-        A new copy, for pictures and files. Vertices have the positions that a search uses.
+        Each access makes a new copy. Vertices have the positions that a search uses.
         """
         return self._mesh_at(self.poses)
 
@@ -338,7 +339,7 @@ class World(_core.World):
         return Mesh(*_core.posed_mesh(self, poses, self._all_names())[:3])
 
     def _all_names(self) -> list[str]:
-        """Returns a name for each body, for files."""
+        """Returns a name for each body, for files: "body 7" if a body has none."""
         if self._base is None:
             return [name or f"body {body}" for body, name in enumerate(self._names)]
         own = self._base._all_names()
@@ -350,9 +351,9 @@ class World(_core.World):
         return {name: body for body, name in enumerate(self.names) if name}
 
     def index(self, name: str) -> int:
-        """Returns the index of the body with a name.
+        """Returns the index of the body with this name.
 
-        For configurations, the index in the world that they are made from.
+        For configurations, this is the index in the world that they are made from.
 
         Parameters
         ----------
@@ -407,13 +408,13 @@ def restore_world(
     poses: Any,
     end_poses: Any = None,
 ) -> World:
-    """Returns the world of a pickle."""
+    """Makes a world from the contents of a pickle."""
     columns = {"groups": groups, "worlds": worlds, "self_collisions": self_collisions, "names": names}
     return World(shapes, bodies, poses=poses, end_poses=end_poses, **columns)
 
 
 def restore_configurations(base: Any, poses: Any, end_poses: Any = None) -> World:
-    """Returns the world of configurations of a pickle."""
+    """Makes a world of configurations from the contents of a pickle."""
     if not isinstance(base, World):
         raise InvalidType("the state of a world of configurations needs a World")
     return base.configurations(poses, end_poses)

@@ -1,4 +1,7 @@
-"""Columns of a world, one entry per body. Converts them if nothing is lost, else raises errors with their names."""
+"""Conversion of the columns of a world: arrays with one entry per body.
+
+A column is converted if no value changes; otherwise an error that names the column is raised.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ def _column(array: Any, name: str, bodies: int | None) -> np.ndarray:
 
 
 def ids(array: Any, name: str, bodies: int | None = None) -> np.ndarray:
-    """Returns a read-only, contiguous (n,) int32 copy."""
+    """Returns integers as a read-only, contiguous (n,) int32 copy."""
     result = _column(array, name, bodies)
     if result.size == 0:
         result = result.astype(np.int32)
@@ -44,7 +47,7 @@ def ids(array: Any, name: str, bodies: int | None = None) -> np.ndarray:
 
 
 def flags(array: Any, name: str, bodies: int) -> np.ndarray:
-    """Returns a read-only, contiguous (n,) bool copy."""
+    """Returns truth values as a read-only, contiguous (n,) bool copy."""
     result = _column(array, name, bodies)
     if result.size and result.dtype != np.bool_:
         raise InvalidType(f"{name} must be True or False, or (bodies,) of bool, not {result.dtype}")
@@ -58,7 +61,7 @@ def _constant(array: np.ndarray, dtype: Any) -> np.ndarray:
 
 
 def names(given: Any, bodies: int) -> tuple[str, ...]:
-    """Returns one string per body, unique unless empty."""
+    """Returns one name per body, "" for all if `given` is None. Refuses equal names that are not empty."""
     if given is None:
         return ("",) * bodies
     if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
@@ -84,13 +87,13 @@ def _refuse(names: Sequence[str], body: int, what: str) -> None:
 
 
 def check_shapes(of: np.ndarray, shapes: int, names: Sequence[str]) -> None:
-    """Refuses bodies whose shape does not exist."""
+    """Raises InvalidInput if the shape index of a body is out of range. `names`: names of bodies, for the message."""
     for body in np.flatnonzero((of < 0) | (of >= shapes))[:1].tolist():
         _refuse(names, body, f"there is no shape {of[body]}; there are {shapes}")
 
 
 def check_worlds(worlds: np.ndarray, names: Sequence[str]) -> None:
-    """Refuses world ids that do not ascend, and bodies after those in all worlds (-1)."""
+    """Raises InvalidInput unless world indices ascend over the bodies, and bodies in all worlds (-1) come last."""
     for body in np.flatnonzero(worlds < -1)[:1].tolist():
         _refuse(names, body, f"its world is {worlds[body]}; worlds are 0 and up, or -1, which is all")
     order = np.where(worlds == -1, np.iinfo(np.int64).max, worlds.astype(np.int64))
@@ -122,7 +125,10 @@ def pose_of(pose: Any, body: int, name: str = "pose") -> np.ndarray:
 
 
 def stacked(poses: Sequence[Any], end_poses: Sequence[Any]) -> tuple[Any, Any]:
-    """Returns arrays of the poses and end poses of all crumple.Body; None if no body has one."""
+    """Returns an array of the poses, and one of the end poses, of all crumple.Body; None if no body has one.
+
+    The end pose of a body without one is its pose.
+    """
     started = ended = None
     if any(pose is not None for pose in poses):
         started = np.stack([pose_of(pose, i) for i, pose in enumerate(poses)])
@@ -133,7 +139,7 @@ def stacked(poses: Sequence[Any], end_poses: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def shapes_of(shapes: Sequence[Any], given: Sequence[Any]) -> list[int]:
-    """Returns the index of each body's shape. Bodies may name the shape by its index or by the object."""
+    """Returns the index of each body's shape. `given`: for each body, this index or one of the objects in `shapes`."""
     places = {id(shape): i for i, shape in enumerate(shapes)}
     result = []
     for i, shape in enumerate(given):
@@ -150,11 +156,11 @@ def shapes_of(shapes: Sequence[Any], given: Sequence[Any]) -> list[int]:
 
 
 def excluded_pairs(excluded: Any, bodies: int, index: Callable[[str], int]) -> np.ndarray:
-    """Returns pairs of bodies as (k, 2) int32, from indices below `bodies`, or names.
+    """Returns excluded pairs of bodies as (k, 2) int32. They are given as indices below `bodies`, or as names.
 
     `index` is a function that returns the index of a name.
     """
-    # Fast path: the extension module checks the range of these indices.
+    # Fast path: the array needs no conversion, and the extension module checks the range of its indices.
     if type(excluded) is np.ndarray and excluded.dtype == np.int32 and excluded.shape[1:] == (2,):
         return excluded
     if isinstance(excluded, (str, bytes)) or not isinstance(excluded, Iterable):
@@ -177,7 +183,7 @@ def excluded_pairs(excluded: Any, bodies: int, index: Callable[[str], int]) -> n
 
 
 def _pair(pair: Any) -> Any:
-    # A set of one element is a pair of a body with itself.
+    # A set of one element stands for the pair of a body with itself.
     given = sorted(pair, key=str) if isinstance(pair, (set, frozenset)) else pair
     if isinstance(given, (str, bytes)) or not isinstance(given, Sequence | np.ndarray):
         raise InvalidType(f"excluded must be pairs of bodies, such as {{'arm', 'hand'}}, but {pair!r} is none")

@@ -1,9 +1,9 @@
-"""Searches one scene with many MPI processes, through communicators of mpi4py.
+"""Searches one scene with many MPI processes (ranks), through communicators of mpi4py.
 
-Each rank provides local triangles, with all vertices that they name, and gets the pairs whose first triangle it has
-provided. The rows of all ranks, merged, are the same bytes as those of crumple.Detector.intersections for the whole
-scene. `impacts` and `proximities` do the same for motion and nearness. Ranks may provide bodies instead (World). As in
-crumple.Detector, `find(share, query)` is the basic call.
+Each rank provides some of the triangles, with all of their vertices, and gets the pairs whose first triangle it has
+provided. The rows of all ranks, merged, are the same bytes as the rows of crumple.Detector.intersections for the whole
+scene. `impacts` and `proximities` do the same for motion and nearness. Instead of triangles, ranks may provide bodies
+(World). As in crumple.Detector, `find(share, query)` is the basic call.
 
 Raises
 ------
@@ -22,7 +22,7 @@ Examples
 
     with crumple.mpi.Detector(MPI.COMM_WORLD) as detector:
         result = detector.intersections(vertices, faces)  # local mesh of this rank
-        print(result.pairs, result.count)                 # local rows; number of pairs over all ranks
+        print(result.pairs, result.count)                 # local rows; number of pairs of all ranks
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ try:
 except ModuleNotFoundError as error:
     raise ImportError(f"crumple.mpi needs mpi4py: {error}") from error
 
-from . import _mpi  # after mpi4py, which decides how MPI is loaded
+from . import _mpi  # imported after mpi4py, which decides how MPI is loaded
 from ._ranks import Impacts, Intersections, MeshShare, Proximities, WorldShare, excluded_of_ranks, share_of, show
 
 Statistics = _mpi.Statistics
@@ -68,7 +68,7 @@ __all__ = ["Detector", "Impacts", "Intersections", "MeshShare", "Proximities", "
 
 
 def _check_library() -> None:
-    """Raises ImportError unless mpi4py uses the same MPI library, because handles are valid in one library only."""
+    """Raises ImportError if mpi4py uses another MPI library than this module: handles are valid in one library only."""
     libraries = [library.strip("\0\n ") for library in (_mpi.library(), MPI.Get_library_version())]
     ours, theirs = (" ".join(library.partition("\n")[0].partition(",")[0].split()) for library in libraries)
     if ours != theirs:
@@ -84,8 +84,8 @@ _check_library()
 def _collective(fail: Callable[..., None]) -> Callable[[Method], Method]:
     """Decorates methods that all ranks call, so that invalid arguments on one rank raise an error on all.
 
-    If the arguments do not fit the signature, calls fail(error, self, *arguments, **named), which notifies the other
-    ranks. Otherwise they would wait for this one.
+    If the arguments do not fit the signature, calls fail(error, self, *arguments, **named), which must notify the other
+    ranks. They would otherwise wait for this rank.
     """
 
     def decorate(method: Method) -> Method:
@@ -136,11 +136,12 @@ class Detector:
         Number of parts over all ranks, 1 to 262144; 0: chosen from the number of ranks. More parts balance the load
         better, but overlap more.
     round_bytes : int, default 67108864
-        Approximate size in bytes of a message batch of a rank, out and in each; at least 1024.
+        Approximate number of bytes that a rank sends, and that it receives, in one batch of messages; at least 1024.
     threads : int, default 0
-        Threads of this rank; 0: the cores that the rank may use, divided by the ranks that share them.
+        Number of threads of this rank; 0: the cores that the rank may use, divided by the number of ranks that share
+        them.
     memory_limit : int, default 0
-        Bytes that this rank's detector may own; 0: no limit.
+        Number of bytes that this rank's detector may own; 0: no limit.
     backend, clusters, leaf_size, fuzzy_c_means, simd, device
         As for crumple.Detector.
 
@@ -149,7 +150,7 @@ class Detector:
     InvalidInput
         If an option is out of range.
     BackendUnavailable
-        If a machine or build lacks the backend or instruction set.
+        If a machine or build does not have the requested backend or instruction set.
     Error
         With code "communication" if MPI fails.
 
@@ -163,16 +164,17 @@ class Detector:
     same calls, in the same order, with the same query, and with the same `parts` and `round_bytes`. Properties are not
     collective. A detector runs one call at a time. Calls release the GIL.
 
-    If a call fails on one rank, all ranks raise the same Error, whose `rank` is the one that failed; an `index` counts
-    over all ranks. Other exceptions, such as KeyboardInterrupt, are raised where they occurred, and an Error with code
-    "cancelled" on the other ranks. All detectors stay usable. Ctrl-C ends a call within about 50 ms while the rank
-    searches, otherwise at the next collective error check. A process that dies ends the job, as usual with MPI.
+    If a call fails on one rank, all ranks raise the same Error. Its `rank` is the rank that failed, and its `index`
+    counts over all ranks. Other exceptions, such as KeyboardInterrupt, are raised on the rank where they occurred, and
+    the other ranks raise an Error with code "cancelled". All detectors stay usable. Ctrl-C ends a call within about 50
+    ms while the rank searches, otherwise when the ranks next check whether one of them has failed. A process that dies
+    ends the job, as usual with MPI.
 
-    MPI must be initialised with MPI.THREAD_FUNNELED at least for calls from the main thread, and with
-    MPI.THREAD_SERIALIZED for calls from others; mpi4py requests MPI.THREAD_MULTIPLE.
+    MPI must be initialised with at least MPI.THREAD_FUNNELED for calls from the main thread, and with at least
+    MPI.THREAD_SERIALIZED for calls from other threads; mpi4py requests MPI.THREAD_MULTIPLE.
 
-    As a context manager the detector closes at the end. If an exception ends the block, it only frees memory, because
-    other ranks may not be there to close.
+    As a context manager, a detector calls close() at the end of the block. If an exception ends the block, it only
+    frees memory, because close() is collective, and the other ranks may not call it.
 
     Cost: that of crumple.Detector, divided among the ranks, plus the transfer of triangles to the ranks that search
     them.
@@ -219,12 +221,12 @@ class Detector:
 
     @property
     def options(self) -> dict[str, Any]:
-        """Options of this rank's detector, with the actual number of threads and the actual device."""
+        """Options of this rank's detector, with the number of threads and the device that it uses."""
         return dict(self._options)
 
     @property
     def rank(self) -> int:
-        """This rank, from 0. Like `ranks` and `statistics`, raises Error after close()."""
+        """Number of this rank, from 0. Like `ranks` and `statistics`, raises Error after close()."""
         return self._open().rank
 
     @property
@@ -251,24 +253,24 @@ class Detector:
         Returns
         -------
         Intersections, Impacts or Proximities
-            Rows whose first triangle, first feature or first body belongs to this rank. With less output than pairs no
-            rows are sent; "any_by_world" is the same as "any", because all ranks share one world.
+            Rows whose first triangle, first feature or first body belongs to this rank. If `output` is less than
+            "pairs", there are no rows. "any_by_world" is the same as "any", because all ranks share one world.
 
         Raises
         ------
         InvalidInput, MemoryLimit
-            On all ranks, see Detector. Names the argument and the place.
+            On all ranks, see Detector. The message names the argument, and the invalid element of an array.
 
         Notes
         -----
-        The pair filter may select bodies (with World.self_collisions) or groups, not both. Excluded bodies are (n, 2)
-        integers, numbers over all ranks. Not supported: `edges` and `points`, radii, rest shapes, rings, least
-        distances, pairs of triangles, and `index`.
+        The pair filter may select bodies (with World.self_collisions) or groups, not both. Excluded bodies are ids over
+        all ranks, as (n, 2) integers. Not supported: `edges` and `points`, radii, rest shapes, rings, least distances,
+        pairs of triangles, and `index`.
 
-        Arrays are in host memory. If the cuda backend is used, they may all be on the rank's device
-        (options["device"]), except for ids and worlds; they are then downloaded first. They must not change until the
-        call returns. At most 2^31 - 1 triangles, and as many vertices, over all ranks. Parts of the scene are made for
-        one query: a different minimum distance, or another type of query, makes new parts.
+        Arrays must be in host memory. If the cuda backend is used, the arrays of a mesh, except for ids, may all be on
+        the rank's device (options["device"]); they are then downloaded first. They must not change until the call
+        returns. There may be at most 2^31 - 1 triangles, and as many vertices, over all ranks. The scene is divided
+        into parts for one query: a different minimum distance, or another type of query, makes new parts.
 
         Cost: see Detector. The statistics of the result show what was sent, and how well the load was balanced.
 
@@ -426,11 +428,11 @@ class Detector:
         Parameters
         ----------
         show : callable or None
-            Called as show(phase, parts_done, parts) at the beginning of each phase, in the order of
-            statistics.phase_milliseconds, without phases that the call does not need; and with phase "search" after
-            each part, with the number of this rank's parts that are done, and their total. In other phases both numbers
-            are 0. An exception ends the call, as KeyboardInterrupt does. It must not call this detector. None: no
-            reports.
+            Called as show(phase, parts_done, parts). It is called at the beginning of each phase that the search needs,
+            in the order of statistics.phase_milliseconds, and in the phase "search" also after each part. `parts_done`
+            is the number of this rank's parts that are done, and `parts` their total; in other phases both are 0. An
+            exception from `show` ends the call, as KeyboardInterrupt does. `show` must not call this detector. None: no
+            function.
 
         Raises
         ------
@@ -446,7 +448,7 @@ class Detector:
     def close(self) -> None:
         """Frees the duplicate of the communicator and all memory. Collective.
 
-        No other call may follow, except `close`. Without it, MPI frees the duplicate at its end.
+        After it, no function but `close` may be called. If `close` is not called, MPI frees the duplicate when it ends.
         """
         if self._ranks is not None:
             self._ranks.close()
@@ -474,10 +476,10 @@ class Detector:
         return show(found, request, of_world)
 
     def _call(self, call: str, share: Callable[[], Any], query: Callable[[], Any]) -> tuple[Any, Query, bool]:
-        """Runs a call of the extension module; returns its result, the query, and True for a world.
+        """Calls the method `call` of the extension module. Returns its result, the query, and True for bodies.
 
-        `share` and `query` make the arguments of this rank. If that fails, notifies the other ranks, which wait for
-        this one.
+        share() and query() make the arguments of this rank. If one of them raises an exception, notifies the other
+        ranks, which would otherwise wait for this rank.
         """
         ranks = self._open()
         try:
@@ -494,13 +496,13 @@ class Detector:
             excluded = excluded_of_ranks(request.filter.excluded_bodies)
             arguments = brought._borrow(ranks, scene), getattr(_mpi, type(request).__name__)(request, excluded)
         except BaseException as error:
-            ranks.fail(error)  # the other ranks wait for this one; raises an Error of crumple on all ranks
+            ranks.fail(error)  # notifies the other ranks; if `error` is a crumple.Error, all ranks raise it
             raise
         return getattr(ranks, call)(*arguments), request, isinstance(brought, WorldShare)
 
 
 def _together(comm: MPI.Intracomm, work: Callable[[], Returned]) -> Returned:
-    """Returns the result of `work`, or raises on all ranks the error of the lowest rank where it fails."""
+    """Returns work() or, if it fails on any rank, raises on all ranks the error of the lowest rank where it failed."""
     result: Returned | None = None
     failed: Error | None = None
     own: BaseException | None = None
@@ -510,7 +512,7 @@ def _together(comm: MPI.Intracomm, work: Callable[[], Returned]) -> Returned:
         failed = type(error)(
             f"rank {comm.rank}: {error}", code=error.code, element=error.element, index=error.index, rank=comm.rank
         )
-    except BaseException as error:  # the others wait for this rank: notifies them, and raises it unchanged on this rank
+    except BaseException as error:  # notifies the other ranks, which wait for this one
         own = error
         failed = Error(f"rank {comm.rank}: the call was interrupted: {error!r}", code="cancelled", rank=comm.rank)
     all_failed = comm.allgather(failed)

@@ -16,8 +16,8 @@ std::string name_of_type(nb::handle value) {
     return module == "builtins" ? name : module + "." + name;
 }
 
-// Clears the current Python error if it is one of these types, which blame the value of the argument. Throws any other
-// error, such as a KeyboardInterrupt in the argument's __index__.
+// Clears the current Python error if it is of one of the types `blaming`, which mean that the argument is wrong. Throws
+// any other error, such as a KeyboardInterrupt in the argument's __index__.
 void check_cause(std::initializer_list<PyObject*> blaming) {
     for (PyObject* const type : blaming)
         if (PyErr_ExceptionMatches(type)) return PyErr_Clear();

@@ -62,13 +62,13 @@ bool are_vertices(const BorrowedArray& a) {
     return has_rows_of(3, a) && (a.number == Number::float32 || a.number == Number::float64);
 }
 
-// True if flat indices may be cells that are preceded by their sizes: (3, a, b, c, 3, d, e, f, ...). False in device
-// memory, where it cannot be checked.
+// True if a flat array of indices may be a list of triangles that are each preceded by the size 3, as VTK stores cells:
+// (3, a, b, c, 3, d, e, f, ...). False for arrays in device memory, which are not read.
 bool may_be_cells(const BorrowedArray& a) {
     if (a.device != BorrowedArray::on_host || a.shape[0] == 0 || a.shape[0] % 4 != 0) return false;
     const std::size_t size = a.number == Number::int64 ? sizeof(std::int64_t) : sizeof(std::int32_t);
     for (std::int64_t i = 0; i < a.shape[0]; i += 4) {
-        std::int64_t index = 0;  // on a big-endian machine no int32 index equals 3
+        std::int64_t index = 0;  // int32 indices are never 3 on big-endian machines
         std::memcpy(&index, static_cast<const std::byte*>(a.data) + i * a.strides[0], size);
         if (index != 3) return false;
     }
@@ -104,7 +104,7 @@ bool are_group_pairs(const BorrowedArray& a) {
            a.strides[0] % size == 0 && a.strides[1] % size == 0 && reinterpret_cast<std::uintptr_t>(a.data) % size == 0;
 }
 
-// True for contiguous int32 rows, which the library reads in place as Edge.
+// True for contiguous, aligned int32 rows of two, which the library reads in place as Edge.
 bool are_edges(const BorrowedArray& a) {
     return has_rows_of(2, a) && a.number == Number::int32 && is_contiguous(a) &&
            reinterpret_cast<std::uintptr_t>(a.data) % alignof(Edge) == 0;
@@ -122,7 +122,8 @@ bool are_host_poses(const BorrowedArray& a) {
            (a.number == Number::float32 || a.number == Number::float64);
 }
 
-// True for poses in host memory, or for contiguous (n, 3, 4) ones in device memory, where nothing is converted.
+// True for any poses in host memory, and for contiguous (n, 3, 4) or (k, n, 3, 4) poses in device memory, where nothing
+// can be converted.
 bool are_poses(const BorrowedArray& a) {
     if (a.device == BorrowedArray::on_host) return are_host_poses(a);
     BorrowedArray there = a;
@@ -148,24 +149,26 @@ bool borrow_numpy(nb::handle object, BorrowedArray& result) {
 // Array argument of a Python call.
 struct Argument {
     const char* kind;        ///< name of the function of crumple/_arrays.py that converts such arrays
-    const char* which;       ///< prefix of its messages
+    const char* which;       ///< prefix of all messages about the array: "first mesh: " or empty
     void* stream = nullptr;  ///< CUDA stream on which an array in CUDA memory must be ready
 };
 
-// Returns DLPack's number of a CUDA stream: 1 for the legacy default stream, -1 for none, else the address.
+// Returns DLPack's number for a CUDA stream: 1 for the legacy default stream (null), -1 for no_stream(), otherwise the
+// address of the stream.
 nb::int_ dlpack_stream(void* stream) {
     if (stream == no_stream()) return nb::int_(-1);
     constexpr std::uintptr_t legacy_default = 1;
     return nb::int_(stream ? reinterpret_cast<std::uintptr_t>(stream) : legacy_default);
 }
 
-// Calls __dlpack__ by name. Returns null, with Python's error set, if it raises.
+// Calls __dlpack__ with keyword arguments. If it raises, returns null, and Python's error remains set.
 nb::object call_dlpack(const nb::object& method, const nb::dict& named) {
     const nb::tuple none;
     return nb::steal(in_python([&] { return PyObject_Call(method.ptr(), none.ptr(), named.ptr()); }));
 }
 
-// Calls __dlpack__, and again with max_version for a read-only array, which only capsules of DLPack 1.0 can describe.
+// Calls __dlpack__. If that raises BufferError, as for a read-only array, calls it again with max_version: only capsules
+// of DLPack 1.0 can describe read-only arrays.
 nb::object call_dlpack_of_any_version(const nb::object& method, nb::dict named) {
     nb::object capsule = call_dlpack(method, named);
     if (capsule || !PyErr_ExceptionMatches(PyExc_BufferError)) return capsule;
@@ -173,13 +176,13 @@ nb::object call_dlpack_of_any_version(const nb::object& method, nb::dict named) 
     named["max_version"] = nb::make_tuple(nb::dlpack::major_version, nb::dlpack::minor_version);
     capsule = call_dlpack(method, named);
     if (!capsule && PyErr_ExceptionMatches(PyExc_TypeError))
-        first.restore();  // an older package that does not know max_version
+        first.restore();  // the package is older and has no parameter max_version
     return capsule;
 }
 
-// Returns the capsule of __dlpack__, ready on the stream if the array is in CUDA memory. Returns null if __dlpack__
-// raises for an array in host memory, which may be readable by other means. nanobind would call __dlpack__ without a
-// stream, and not by in_python().
+// Returns the capsule that __dlpack__ makes; an array in CUDA memory is then ready on the stream of `argument`. If
+// __dlpack__ raises, returns null for an array in host memory, which may be readable by other means, and raises an error
+// for one in CUDA memory. nanobind is not used for the call: it would pass no stream, and not use in_python().
 nb::object capsule_of(const nb::object& method, const Argument& argument, bool in_cuda_memory) {
     nb::dict named;
     if (in_cuda_memory) named["stream"] = dlpack_stream(argument.stream);
@@ -196,8 +199,8 @@ bool lies_in_cuda_memory(nb::handle object) {
     return call_python("crumple._arrays", "lies_in_cuda_memory", {object}).is(Py_True);
 }
 
-// Borrows an array through DLPack, or returns false. The caller synchronizes a bare capsule in CUDA memory, which has
-// no __dlpack__.
+// Borrows an array through DLPack, or returns false if that is not possible. `object` may also be a bare capsule, which has
+// no __dlpack__: if its array is in CUDA memory, the Python caller must have synchronized it.
 bool borrow_dlpack(nb::handle object, const Argument& argument, BorrowedArray& result, Kept& kept) {
     using Tensor = nb::ndarray<nb::ro>;
     Tensor tensor;
@@ -233,7 +236,8 @@ bool borrow_dlpack(nb::handle object, const Argument& argument, BorrowedArray& r
     return true;
 }
 
-// Returns a view of the array in `object`, or of the array that crumple/_arrays.py converts it to.
+// Returns a view of the array `object` if `accepted` holds for it, otherwise of the array that crumple/_arrays.py makes
+// from it. Adds to `kept` what keeps the array alive.
 BorrowedArray borrow_array(nb::handle object, bool (*accepted)(const BorrowedArray&), const Argument& argument,
                            Kept& kept) {
     BorrowedArray array;
@@ -257,7 +261,7 @@ void check_place(const BorrowedArray& array, const std::string& name, int device
     if (array.device != device) refuse(name + " lie in " + place(array.device) + ", but vertices in " + place(device));
 }
 
-// Returns a view of the rows of an (n, 3) or a flat array.
+// Returns a view of the rows of an (n, 3) array, or of a flat array as rows of three.
 template <class Type>
 ArrayView<Type> rows_of_three(const BorrowedArray& array, Type type) {
     if (array.dimensions == 1) return {array.data, array.shape[0] / 3, 3 * array.strides[0], array.strides[0], type};
@@ -290,7 +294,8 @@ BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which, void* strea
     if (mesh[2].is_none()) return;
     groups_ = borrow_array(mesh[2], are_groups, {"groups", which, stream}, kept_);
     check_place(groups_, std::string(which) + "groups", device());
-    // None means no groups. An empty span would mean the same, so the number must match.
+    // To the library an empty span means no groups. So an empty array must not pass for a mesh with faces; for no groups,
+    // the caller passes None.
     if (groups_.shape[0] != view_.triangles.rows)
         refuse(std::string(which) + "groups must be one for each of the " + std::to_string(view_.triangles.rows) +
                " faces, not " + std::to_string(groups_.shape[0]));

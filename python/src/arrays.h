@@ -2,10 +2,12 @@
 
 // Input arrays: views of Python's arrays, without a copy if the library can read them in place.
 //
-// Read in place: NumPy arrays, and anything that supports DLPack, in host or CUDA memory, with any strides. Vertices
-// are (n, 3) float32 or float64, faces (m, 3) or flat (3m) int32, uint32 or int64, groups (m) contiguous int32; also
-// poses. Other arrays go through crumple/_arrays.py, which converts them without loss or raises an error that names
-// them.
+// These arrays are read in place: NumPy arrays, and anything that supports DLPack, in host or CUDA memory, with any
+// strides. Vertices must be (n, 3) float32 or float64; faces (m, 3) or flat (3m) int32, uint32 or int64; groups (m)
+// contiguous int32; for poses see borrow_poses(). Other arrays go through crumple/_arrays.py, which converts them without
+// loss or raises an error that names the array.
+//
+// "Borrowed" types are such views, together with what keeps the memory of the arrays alive.
 //
 // NumPy arrays are read through NumPy's C API, which has strides in bytes. DLPack counts strides in elements, and
 // fields of a structured array may not be a whole number of elements apart.
@@ -45,15 +47,16 @@ struct BorrowedArray {
 /// Imports NumPy before the first use of an array, so that `import crumple` stays fast.
 void import_numpy();
 
-/// Advice for messages about arrays that cannot be read in place.
+/// Advice for messages about arrays in CUDA memory that are needed in host memory.
 inline constexpr const char* copy_to_host =
     "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())";
 
-// The package that owns an array in CUDA memory makes it ready on the CUDA stream `stream` of the constructors below:
-// __dlpack__(stream=...) makes that stream wait for the package's current stream. Null is the legacy default stream, as
-// in MeshView::stream. Arrays in host memory need no stream.
+// `stream` in the constructors below is the CUDA stream on which arrays in CUDA memory must be ready. The package that owns
+// an array ensures this: its __dlpack__(stream=...) makes `stream` wait for the package's current stream. Null is the
+// legacy default stream, as in MeshView::stream. Arrays in host memory need no stream.
 
-/// Returns the value for no stream: for arrays of which only the shape is read now, so that no stream has to wait.
+/// Returns the value of `stream` that means no stream, so that no stream has to wait. For arrays of which only the shape is
+/// read.
 inline void* no_stream() { return reinterpret_cast<void*>(~std::uintptr_t{0}); }  // NOLINT(performance-no-int-to-ptr)
 
 /// View of a crumple.Mesh. Construct and destroy it with the GIL; reading it needs no GIL.
@@ -71,7 +74,8 @@ class BorrowedMesh {
     MeshView view_;
 };
 
-/// View of a mesh's vertices at the end of a step or in the rest shape: in the memory of the mesh, ready on its stream.
+/// View of a mesh's vertices at the end of a step or in the rest shape. The array must be in the same memory (host or
+/// device) as the mesh, and is ready on the mesh's stream.
 class BorrowedEnd {
    public:
     enum class When : std::uint8_t { end, rest };
@@ -84,14 +88,14 @@ class BorrowedEnd {
     VertexView view_;
 };
 
-/// View of the edges and points of a mesh or shape (MeshView::edges, MeshView::points).
+/// View of the codimensional edges and points of a mesh or shape (MeshView::edges, MeshView::points).
 class BorrowedLists {
    public:
-    /// `lists` is (edges or None, points or None). `device`: their required device, that of the mesh. `which` is the
-    /// prefix of all messages.
+    /// `lists` is (edges or None, points or None). `device`: the device of the mesh, on which the lists must be, too.
+    /// `which` is the prefix of all messages.
     explicit BorrowedLists(const nanobind::tuple& lists, int device = BorrowedArray::on_host, const char* which = "",
                            void* stream = nullptr);
-    /// Sets the lists of a MeshView or a Shape.
+    /// Sets the members `edges` and `points` of a MeshView or a Shape.
     template <class Listing>
     void put_into(Listing& listing) const {
         listing.edges = edges_;
@@ -104,7 +108,8 @@ class BorrowedLists {
     std::optional<std::span<const std::int32_t>> points_;
 };
 
-/// View of one float64 per vertex of a mesh: in the memory of the mesh, ready on its stream.
+/// View of the radii of a mesh's vertices, one float64 each. The array must be in the same memory as the mesh, and is ready
+/// on the mesh's stream.
 class BorrowedRadii {
    public:
     BorrowedRadii(nanobind::handle radii, const BorrowedMesh& mesh, const char* which = "");
@@ -115,11 +120,11 @@ class BorrowedRadii {
     std::span<const double> view_;
 };
 
-/// View of the numbers over all ranks of local triangles, vertices or bodies: (n) int64 in host memory.
+/// View of the ids, over all ranks, of the triangles, vertices or bodies of one rank: (n) int64 in host memory.
 class BorrowedIds {
    public:
-    /// `ids` may be None. `what`: "triangle", "vertex" or "body". The last argument is the required number of ids.
-    /// Throws Error if there are more or fewer.
+    /// `ids` may be None. `what`: "triangle", "vertex" or "body", for messages. The last argument is the required number of
+    /// ids; throws Error if there are more or fewer.
     BorrowedIds(nanobind::handle ids, const char* what, std::int64_t wanted);
     std::span<const std::int64_t> view() const { return view_; }
 

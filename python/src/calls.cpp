@@ -23,7 +23,7 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-/// Arguments of a call, and the exclusive use of the detector.
+/// Converted arguments of a call, and exclusive use of the detector as long as this object lives.
 template <class Query>
 struct Call {
     Call(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded)
@@ -40,7 +40,7 @@ struct Call {
     const Scene view;
 };
 
-// Makes an array of a copy of the values: (n,), or (n, 3).
+// Returns a NumPy array that owns a copy of the values, of shape (n,) or, with one number of `columns`, (n, columns).
 template <class Number, class Value, class... Columns>
 nb::object give(const Array<Value>& values, Columns... columns) {
     import_numpy();
@@ -50,7 +50,8 @@ nb::object give(const Array<Value>& values, Columns... columns) {
     return nb::cast(nb::ndarray<nb::numpy, Number>(given->data(), {rows, std::size_t{columns}...}, owner));
 }
 
-// Converts a free step to the members of crumple.FreeStep. Positions have the precision of the mesh.
+// Converts a free step to a tuple of the members of crumple.FreeStep. Positions are float32 if the mesh is, both at the
+// start and at the end; else float64.
 nb::object tuple_of_step(const FreeStep& step, const Scene& scene) {
     const auto* mesh = std::get_if<MeshView>(&scene.source());
     const bool single = mesh && mesh->vertices.type == ScalarType::float32 && mesh->end.type == ScalarType::float32;
@@ -104,7 +105,7 @@ std::vector<Part> partition(nb::handle self, nb::handle scene, nb::handle query,
                        call.detector.stop());
 }
 
-// Counts the rows of a block. The library's own count includes all earlier blocks.
+// Counts the rows of a block. block.count is not used, because it includes the rows of all earlier blocks.
 template <class Block>
 std::int64_t rows_of(const Block& block) {
     std::int64_t rows = 0;
@@ -113,7 +114,7 @@ std::int64_t rows_of(const Block& block) {
 }
 std::int64_t rows_of(const Intersections& block) { return static_cast<std::int64_t>(block.pairs.size()); }
 
-/// Calls `take` with a copy of each block, with the GIL.
+/// Runs a streamed search. Calls the Python function `take` with a copy of each block, with the GIL.
 template <class Query>
 Statistics stream(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded, nb::handle take,
                   nb::handle block_rows) {

@@ -1,6 +1,7 @@
 #pragma once
 
-// Calls of a detector, one for each query and delivery: _find_impacts, _any_impacts and so on, for crumple.Detector.
+// Methods that crumple.Detector calls, one for each query and way of delivery (find, any, stream, ...): _find_impacts,
+// _any_impacts and so on.
 
 #include <nanobind/nanobind.h>
 

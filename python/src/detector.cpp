@@ -58,7 +58,8 @@ SharedDetector::Turn::~Turn() {
     detector_.call_done_.notify_one();
 }
 
-// Cannot miss the end of a turn: a turn ends with the GIL, which this function releases only while it holds the mutex.
+// Waits until another call may have ended. Cannot miss the end of a Turn: a Turn ends in a thread that has the GIL, and this
+// function releases the GIL only while it holds the mutex, so calls_done_ cannot change before the wait begins.
 void SharedDetector::wait_for_another_call() {
     ++waiting_;
     {
@@ -91,7 +92,7 @@ namespace {
 void make(nb::handle self, const nb::dict& given) {
     check_self(self);
     const Options options = options_of(given);
-    // No Python code and no other thread runs from here on.
+    // From here on no Python code and no other thread runs, so __init__ cannot be called twice at the same time.
     if (nb::inst_ready(self)) refuse("crumple.Detector.__init__ has been called already");
     new (nb::inst_ptr<SharedDetector>(self)) SharedDetector(options);
     nb::inst_mark_ready(self);

@@ -26,8 +26,8 @@ class SharedDetector {
    public:
     explicit SharedDetector(const Options& options);
 
-    /// Exclusive use of the detector during a call. Construct and destroy it with the GIL, which is its only cost while
-    /// no other thread waits.
+    /// Exclusive use of the detector during a call; its constructor waits for the calls of other threads. Construct and
+    /// destroy it with the GIL. As long as no other thread waits, it takes no lock besides the GIL.
     class Turn {
        public:
         explicit Turn(SharedDetector& detector);
@@ -39,9 +39,11 @@ class SharedDetector {
         SharedDetector& detector_;
     };
 
-    /// Call with a Turn, without the GIL. In the main thread, signals are handled while a call runs or waits; an
-    /// exception from a handler ends the call. `result` comes from storage(). The detector fills it and gives it back,
-    /// so it outlives the detector and its next call.
+    /// Runs a query. Call find() and the functions up to call() while a Turn exists, without the GIL. In the main thread,
+    /// Python's signal handlers run while a call runs or waits; an exception from a handler ends the call.
+    ///
+    /// `result` comes from storage(). It is swapped into the detector, which fills it, and swapped back, so it outlives
+    /// the detector and the next call.
     template <class Query>
     void find(const Scene& scene, const Query& query, typename Query::Result& result) {
         detector_.swap_result(result);
@@ -60,8 +62,9 @@ class SharedDetector {
     std::vector<Part> partition(const Scene& scene, const Query& query, int count) {
         return detector_.partition(scene, query, count, stop_->get_token());
     }
-    /// Returns the result of stream(detector, sink, stop). The sink calls `take` for each block, with the GIL, in any
-    /// thread of the library. Calls of the detector from that thread are refused, too.
+    /// Returns the result of stream(detector, sink, stop), which must call `sink` for each block. `sink` calls `take` with
+    /// the GIL, in whichever thread of the library calls it. While `take` runs, calls of the detector from this thread are
+    /// refused, as are those from the thread of the call.
     template <class Block, class Stream>
     Statistics stream(FunctionRef<void(const Block&)> take, Stream stream) {
         const auto with_gil = [&](const Block& block) {
@@ -76,7 +79,7 @@ class SharedDetector {
         };
         return stream(detector_, with_gil, stop_->get_token());
     }
-    /// Returns the result of work(detector, stop).
+    /// Returns the result of work(detector, stop), where `stop` is the stop token of the current Turn.
     template <class Work>
     auto call(Work work) {
         return work(detector_, stop_->get_token());
@@ -86,21 +89,21 @@ class SharedDetector {
         std::swap(launched_[0], launched_[1]);
         launched_[0] = std::move(given);
     }
-    /// Returns storage for a result: that of one of the last two results, if Python no longer uses it. So frames of a
-    /// simulation alternate between two and allocate nothing. Under a memory limit none is reused. Call with the GIL,
-    /// which also guards the release of results.
+    /// Returns storage for a result. Reuses the storage of one of the last two results, if Python no longer uses that
+    /// result. So a simulation whose frames replace each other's results alternates between two and allocates nothing.
+    /// Under a memory limit, storage is never reused. Call with the GIL, which also guards the release of results.
     template <class Answer>
     std::shared_ptr<Answer> storage() {
         return std::get<Two<Answer>>(results_).get(options().memory_limit > 0);
     }
-    /// Buffers for poses that cannot be read in place. Use with a Turn.
+    /// Return buffers for poses that cannot be read in place. Use them only while a Turn exists.
     std::vector<Pose>& poses() { return poses_; }
     std::vector<Pose>& end_poses() { return end_poses_; }
     const Options& options() const { return detector_.options(); }
     Backend backend() const { return detector_.backend(); }
     std::string_view fallback() const { return detector_.fallback(); }
 
-    /// Ends the call in progress, but none that waits. Call with the GIL.
+    /// Ends the call in progress. Calls that wait for it are not ended. Call with the GIL.
     void cancel() {
         if (stop_) stop_->request_stop();
     }
@@ -129,18 +132,19 @@ class SharedDetector {
         results_;
     std::vector<Pose> poses_, end_poses_;
     std::shared_ptr<void> launched_[2];
-    std::optional<std::stop_source> stop_;  ///< stop of the current Turn, or of the last one
-    std::thread::id caller_;  ///< thread of the current Turn; guarded by the GIL, as `stop_` and `waiting_` are
+    std::optional<std::stop_source> stop_;  ///< stop source of the current Turn, or of the last one
+    std::thread::id caller_;  ///< thread of the current Turn; the GIL guards it, and also `stop_` and `waiting_`
     int waiting_ = 0;
-    std::uint64_t calls_done_ = 0;  ///< number of turns that ended while threads waited; guarded by the mutex
+    std::uint64_t calls_done_ = 0;  ///< number of Turns that ended while threads waited; guarded by mutex_
     std::mutex mutex_;
     std::condition_variable call_done_;
 };
 
-/// Returns the detector that a method is called on. Throws Error if __init__ of a subclass did not make it.
+/// Returns the detector that a method is called on. Throws Error if it was not constructed, because a subclass did not call
+/// __init__.
 SharedDetector& detector_of(nanobind::handle self);
 
-/// Throws Error for arrays that are neither on the host nor on the detector's device.
+/// Throws Error unless `device`, the place of an array, is the host or the detector's CUDA device.
 void check_device(const SharedDetector& detector, int device);
 
 void bind_detector(nanobind::module_& module);

@@ -17,7 +17,7 @@ namespace nb = nanobind;
 namespace crumple::python {
 namespace {
 
-// Names in the order of the enumerators.
+// Names of ErrorCode and of Element in Python, in the order of the enumerators.
 constexpr std::array code_names{
     "invalid_argument", "not_finite", "index_out_of_range", "memory_limit", "backend_unavailable", "file", "format",
     "cancelled",        "device",     "communication"};
@@ -80,7 +80,7 @@ void raise(const Error& error) {
 }
 
 void translate(const std::exception_ptr& pointer, void*) {
-    if (!pointer) hang();  // not a C++ exception: the interpreter unwinds this thread
+    if (!pointer) hang();  // no C++ exception, but pthread_exit: the interpreter has ended
     const Error* known = nullptr;
     try {
         std::rethrow_exception(pointer);

@@ -14,7 +14,7 @@ namespace crumple::python {
 /// Registers the translation of crumple::Error to Python. Call once, when the module is initialised.
 void translate_errors();
 
-/// Converts a crumple.Error back; returns nothing for any other exception.
+/// Converts a Python exception of class crumple.Error to an Error; returns nothing for any other exception.
 std::optional<Error> error_of(nanobind::handle exception);
 
 /// Error for an argument of the wrong type.

@@ -30,7 +30,7 @@ namespace {
 constexpr std::array<FeatureKind, feature_kinds> all_kinds{FeatureKind::vertex_face, FeatureKind::edge_edge,
                                                            FeatureKind::vertex_edge, FeatureKind::vertex_vertex};
 
-// Copies an array of a Stored of crumple/_pickles.py, which has validated it.
+// Copies an array from `found`, a Stored of crumple/_pickles.py, which has validated the array.
 template <class Number, class Element>
 void take(nb::handle found, const std::string& name, Array<Element>& array) {
     nb::ndarray<const Number, nb::c_contig, nb::device::cpu> given;
@@ -50,7 +50,7 @@ void read_feature_list(nb::handle found, FeatureKind kind, Array<double>& values
     take<bool>(found, name + "_" + flag, flags);
 }
 
-// Copies the members that all results have.
+// Copies the members that all results about features have.
 template <class Storage>
 void read_rest(nb::handle found, Storage& storage) {
     storage.count = nb::cast<std::int64_t>(found.attr("count"));
@@ -76,14 +76,14 @@ FirstImpact read_first(nb::handle given) {
     return first;
 }
 
-// True if the request of a result has `item` among its options or kinds.
+// True if the member `options` of the request of a result ("options" or "kinds") contains `item`.
 bool is_requested(nb::handle result, const char* options, std::string_view item) {
     const nb::object requested = result.attr("_request").attr(options);
     return nb::cast<bool>(requested.attr("__contains__")(nb::str(item.data(), item.size())));
 }
 
-// Returns the storage of a crumple.Impacts, crumple.Proximities or crumple.Candidates: the library's result, or one
-// made of arrays that came through pickle.
+// Returns the storage of a crumple.Impacts, crumple.Proximities or crumple.Candidates: the library's own result or, for an
+// unpickled object, a new one that read_feature_lists(found, result) fills.
 template <class Result, class Take>
 std::shared_ptr<const Result> storage_of(nb::handle result, Take read_feature_lists) {
     const nb::object found = result.attr("_found");
@@ -131,7 +131,7 @@ std::shared_ptr<const Candidates> candidates_of(nb::handle result) {
 
 }  // namespace
 
-// Binds writers of results: of the coloured mesh if one is given, else of the rows.
+// Binds writers of results. With a mesh they write the mesh, coloured by the result; without one, the rows of the result.
 void bind_feature_files(nb::module_& module) {
     module.def(
         "write_impacts",

@@ -24,7 +24,7 @@ using Rows = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::devic
 
 VertexView view_of(const Rows& rows) { return rows_of_three(rows.data(), static_cast<std::int64_t>(rows.shape(0))); }
 
-// Moves the array to a NumPy array, which owns it.
+// Returns a NumPy array that owns the values, which are moved, not copied.
 template <class Number, class Element, class... Columns>
 nb::object give(Array<Element> array, Columns... columns) {
     import_numpy();

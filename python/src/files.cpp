@@ -70,7 +70,7 @@ std::vector<To> rows(const ArrayView<Type>& view) {
         for (int k = 0; k < 3; ++k) {
             From value;
             std::memcpy(&value, row + k * view.column_stride, sizeof value);
-            // An index that int32 cannot hold becomes -1: it stays out of range.
+            // An index that does not fit in int32 becomes -1, so that it remains out of range.
             if constexpr (std::is_integral_v<To>) value = std::in_range<To>(value) ? value : static_cast<From>(-1);
             values.push_back(static_cast<To>(value));
         }
@@ -112,7 +112,7 @@ io::TriangleMesh copy_of(const MeshView& view) {
 
 namespace {
 
-// Returns the units of two meshes; meshes that were read from files have one.
+// Returns the units of one or two meshes; Unit::unknown if a mesh has no unit, as only meshes from files have one.
 std::pair<io::Unit, io::Unit> units_of(const nb::tuple& first, const std::optional<nb::tuple>& second) {
     const auto unit = [](nb::handle mesh) { return unit_of(nb::getattr(mesh, "unit", nb::none())); };
     return {unit(first), second ? unit(*second) : io::Unit::unknown};
@@ -147,7 +147,7 @@ WithoutGil::AtExit at_exit(const Path& written) {
 
 namespace {
 
-// Returns the last frame of a scene; 0 for an unknown scene, which scenes::make then refuses.
+// Returns the number of the last frame of a scene; 0 for a name that is no scene, about which scenes::make throws.
 int last_frame(std::string_view scene) {
     for (const scenes::Description& d : scenes::descriptions())
         if (d.name == scene) return d.frames - 1;
@@ -156,8 +156,8 @@ int last_frame(std::string_view scene) {
 
 }  // namespace
 
-// Cuts quadrilaterals into triangles as the readers of files do: (2k, 3) for (k, 4). Cuts one as a fan if it crosses
-// itself, or if a corner is not finite or does not exist; a search reports the latter.
+// Cuts quadrilaterals (k, 4) into triangles (2k, 3), in the same way as the readers of files. A quadrilateral becomes a fan
+// if it crosses itself, or if a corner is not finite or not a vertex; a search then reports the bad corner.
 nb::object cut_quadrilaterals(
     const nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>& points,
     const nb::ndarray<const std::int64_t, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>& quads) {
@@ -186,7 +186,7 @@ nb::object cut_quadrilaterals(
 
 namespace {
 
-// Returns the open edges as (k, 2) vertices and (k,) triangles.
+// Returns the open edges of a mesh as two arrays: (k, 2) vertices and (k,) triangles.
 nb::tuple open_edges_of(const nb::tuple& mesh, nb::handle weld) {
     const bool welds = flag("weld", weld);
     const BorrowedMesh borrowed(mesh);

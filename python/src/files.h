@@ -12,21 +12,21 @@
 
 namespace crumple::python {
 
-/// Returns (vertices, faces, groups or None, polygons or None): NumPy arrays that share the mesh's own memory.
+/// Returns (vertices, faces, groups or None, polygons or None): NumPy arrays, which take over the memory of the mesh.
 nanobind::tuple give(io::TriangleMesh&& mesh);
 
-/// Copies a mesh for the writers of files.
+/// Copies a mesh for the writers of files. Throws Error if its arrays are in CUDA memory.
 io::TriangleMesh copy_of(const MeshView& view);
 
-/// Converts a unit from its name or None, and back.
+/// Convert a unit of length from its name ("mm") or None, and to its name or None.
 io::Unit unit_of(nanobind::handle unit);
 nanobind::object name_of_unit(io::Unit unit);
 
-/// Converts text to str. File names need not be UTF-8: invalid bytes are escaped.
+/// Converts text to a Python str. Bytes that are not valid UTF-8, as file names may have, become escapes such as \x80.
 nanobind::object shown(const std::string& text);
 
-/// Returns what to do at exit about a file that is being written. A regular file is completed, so that no part of it is
-/// left. Other targets, such as pipes, may never complete, and have no temporary file.
+/// Returns whether the process waits at exit until the file at this path is written. It waits for a regular file, so that
+/// no temporary file is left. Other targets, such as pipes, have no temporary file, and writing them may never end.
 WithoutGil::AtExit at_exit(const std::filesystem::path& written);
 
 void bind_files(nanobind::module_& module);

@@ -56,12 +56,12 @@ WithoutGil::~WithoutGil() {
 
 void WithoutGil::watch_exit() {
     Py_AtExit(end_all);
-    // Threads do not survive a fork.
+    // In the child process of a fork, the other threads and their work do not exist.
     pthread_atfork(nullptr, nullptr, [] { all_ = nullptr; });
 }
 
-// The interpreter has ended: no thread gets the GIL any more, so the list does not change. Work that continues while
-// static objects are destroyed may crash the process.
+// Stops all work and waits for it, because work that continues while static objects are destroyed may crash the process.
+// Runs after the interpreter has ended: no thread gets the GIL any more, so the list does not change.
 void WithoutGil::end_all() {
     using Clock = std::chrono::steady_clock;
     const auto patience = Clock::now() + std::chrono::seconds(1);

@@ -4,8 +4,8 @@
 //
 // A daemon thread that waits for the GIL when the interpreter ends never gets it. CPython up to 3.13 unwinds the
 // thread's stack (pthread_exit), which ends the process at the first noexcept function, and destroys Python objects
-// without the GIL. From 3.14 on the thread hangs. Here it always hangs, in the call of Python's C API that does not
-// return.
+// without the GIL. From CPython 3.14 on the thread hangs instead. The functions of this file make it hang in all versions:
+// in_python() does not let the unwinding pass.
 
 #include <atomic>
 #include <cstdint>
@@ -24,9 +24,9 @@ namespace crumple::python {
 /// True if the interpreter is ending, so that no other thread gets the GIL any more. Call with the GIL.
 bool interpreter_ends();
 
-/// Returns the result of `call`, which calls one function of Python's C API that may run Python code or wait for the
-/// GIL. Objects that `call` destroys afterwards must not need the GIL. Not inlined, because compilers omit destructors
-/// where a noexcept function would end the process.
+/// Returns the result of `call`, which must call a single function of Python's C API that may run Python code or wait for
+/// the GIL. If that function unwinds the stack instead of returning, this thread hangs. Objects that `call` destroys must
+/// not need the GIL. Not inlined: inside a noexcept function, compilers omit the destructor that makes the thread hang.
 template <class Call>
 [[gnu::noinline]] std::invoke_result_t<Call> in_python(Call call) {
     struct Hanging {
@@ -40,10 +40,10 @@ template <class Call>
     return result;
 }
 
-/// Calls a function of a Python module.
+/// Calls a function of a Python module and returns its result. Call with the GIL.
 nanobind::object call_python(const char* module, const char* function, std::initializer_list<nanobind::handle> given);
 
-/// Acquires the GIL in a thread that does not have it, for instance one of the library's.
+/// Acquires the GIL during its lifetime, in a thread that does not have it, such as a thread of the library.
 class WithGil {
    public:
     WithGil() : state_(in_python([] { return PyGILState_Ensure(); })) {}
@@ -58,8 +58,8 @@ class WithGil {
 /// Releases the GIL during its lifetime. Construct it with the GIL; its destructor reacquires it.
 class WithoutGil {
    public:
-    /// How long the process waits at exit for work in progress: a second, or until the work is complete, so that no
-    /// temporary file is left. Requests `stop` first.
+    /// Wait of the process at exit for the work of this object. given_up: for at most a second. finished: until the work is
+    /// complete, so that no temporary file is left. In both cases the process first requests `stop`.
     enum class AtExit : std::uint8_t { given_up, finished };
 
     explicit WithoutGil(AtExit at_exit = AtExit::given_up, std::stop_source stop = std::stop_source(std::nostopstate));
@@ -67,16 +67,17 @@ class WithoutGil {
     WithoutGil(const WithoutGil&) = delete;
     WithoutGil& operator=(const WithoutGil&) = delete;
 
-    /// False after the interpreter has ended: nobody uses the result of the work.
+    /// False after the interpreter has ended, when the result of the work is of no use any more.
     bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
 
-    /// Makes the process wait at exit for work in progress. Call once.
+    /// Makes the process wait at exit for all work in progress, as AtExit describes. Call once, when the extension module is
+    /// imported.
     static void watch_exit();
 
    private:
     static void end_all();
 
-    static WithoutGil* all_;  ///< guarded by the GIL
+    static WithoutGil* all_;  ///< list of all objects in existence; guarded by the GIL
     WithoutGil* next_;
     std::stop_source stop_;
     const AtExit at_exit_;
@@ -84,7 +85,7 @@ class WithoutGil {
     PyThreadState* state_;
 };
 
-/// Returns the result of `work`, without the GIL. `stop` can end the work.
+/// Runs work() without the GIL and returns its result. `stop`: its stop is requested at exit, so `work` should watch it.
 template <class Work>
 auto without_gil(Work work, std::stop_source stop = std::stop_source(std::nostopstate)) {
     const WithoutGil released(WithoutGil::AtExit::given_up, std::move(stop));

@@ -14,7 +14,7 @@
 
 namespace crumple::python {
 
-/// Binds members of the result that `Held::found()` returns.
+/// Binding of a class `Held`, whose member found() returns the result: binds members of this result as properties.
 template <class Held>
 class SharedBinding {
    public:
@@ -26,7 +26,8 @@ class SharedBinding {
     void value(const std::string& name, Get get) {
         type_.def_prop_ro(name.c_str(), [get](const Held& held) { return get(held.found()); });
     }
-    /// `array_of` returns the array of a result. `columns`: the shape of each of its elements.
+    /// Binds an array as a property. array_of(result) returns the array. `columns`: number of scalars of type Number in each
+    /// element, if there are several.
     template <class Number, class ArrayOf, class... Columns>
     void array(const std::string& name, ArrayOf array_of, Columns... columns) {
         const auto show = [=](const Held& held) { return view<Number>(array_of(held.found()), columns...); };
@@ -43,7 +44,7 @@ inline const Array<double>& values(const ProximityList& list) { return list.squa
 inline const Array<std::uint8_t>& flags(const ImpactList& list) { return list.start; }
 inline const Array<std::uint8_t>& flags(const ProximityList& list) { return list.touching; }
 
-/// Returns the milliseconds of each stage or phase, by its name.
+/// Returns a dict with the milliseconds of each stage or phase, by its name.
 template <class Part, class Statistics, class NameOf>
 nanobind::typed<nanobind::dict, nanobind::str, double> milliseconds_by_name(const Statistics& statistics, int count,
                                                                             NameOf name_of) {

@@ -25,13 +25,14 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-// Returns the CUDA stream with this address; null, the legacy default stream, for None.
+// Returns the CUDA stream with this address. For None returns null, the legacy default stream.
 void* stream_of(nb::handle address) {
     if (address.is_none()) return nullptr;
     return reinterpret_cast<void*>(integer<std::uintptr_t>("stream", address));
 }
 
-// Arguments of a launch. They live until the second launch after it; by then this launch has been waited for.
+// Converted arguments of a launch. SharedDetector::keep() keeps them alive until the second launch after this one, which
+// waits for this one if necessary.
 template <class Query>
 struct Launched {
     Launched(const SharedDetector& detector, nb::handle scene, nb::handle query, nb::handle excluded, void* stream)
@@ -53,7 +54,7 @@ LaunchTicket<Query> launch(nb::handle self, nb::handle scene, nb::handle query, 
     return ticket;
 }
 
-// Dict of arrays in device memory: address, shape, and type as NumPy writes it.
+// Builder of a dict that describes arrays in device memory, by name: (address, shape, type as NumPy writes it).
 class DeviceArrays {
    public:
     template <class Number, class Element>
@@ -75,8 +76,8 @@ class DeviceArrays {
     nb::dict arrays_;
 };
 
-// Wraps such an array for DLPack and keeps the detector alive. Not read-only, because some packages refuse read-only
-// capsules; a write changes this result only.
+// Returns a DLPack capsule of an array that a DeviceArrays describes. The capsule keeps the detector alive. It is not
+// read-only, because some packages refuse read-only capsules; writing to the array changes only this result.
 nb::object dlpack_capsule(nb::handle detector, std::uintptr_t address, const nb::tuple& shape,
                           const std::string& type) {
     const std::size_t dimensions = shape.size();
@@ -128,7 +129,7 @@ void put_list(const std::string& name, const DeviceProximityList& list, DeviceAr
 template <class List>
 void put_list(const std::string&, const List&, DeviceArrays&) {}
 
-// `name_of_list` returns the name of kind k.
+// Adds the arrays of a result about features. name_of_list(k) returns the name of kind k.
 template <class Result, class NameOf>
 void put_features(const Result& found, NameOf name_of_list, DeviceArrays& there) {
     if (!found.complete) return;
@@ -156,7 +157,7 @@ nb::tuple put(const DeviceCandidates& found, DeviceArrays& there) {
     return told(found, found.rows_needed, found.count > 0);
 }
 
-// Waits for a launch of this detector. Returns (values, arrays, statistics).
+// Waits for a launch of the detector `of`. Returns (numbers and flags of the result, its arrays by name, statistics).
 template <class Query>
 nb::tuple wait(const LaunchTicket<Query>& ticket, nb::handle of) {
     SharedDetector& detector = detector_of(of);

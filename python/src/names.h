@@ -66,7 +66,7 @@ inline constexpr Names<FeatureKind, 4> feature_kind_names{{{"vertex_face", Featu
                                                            {"edge_edge", FeatureKind::edge_edge},
                                                            {"vertex_edge", FeatureKind::vertex_edge},
                                                            {"vertex_vertex", FeatureKind::vertex_vertex}}};
-/// Returns the name of the array of a kind of pairs.
+/// Returns the name of the array of a kind of pairs: "vertex_faces" for "vertex_face".
 inline std::string plural_of_kind(std::string_view kind) {
     return kind == "vertex_vertex" ? "vertex_vertices" : std::string(kind) + 's';
 }
@@ -92,7 +92,8 @@ std::string_view name_of(const Names<Enum, count>& names, Enum value) {
     return {};
 }
 
-/// Returns the enumerator of a name. Throws an Error that names the argument and its possible values.
+/// Returns the enumerator with the name `value`. If there is none, throws an Error that lists the possible values of
+/// `argument`.
 template <class Enum, std::size_t count>
 Enum named(const Names<Enum, count>& names, std::string_view argument, nanobind::handle value) {
     const bool is_text = PyUnicode_Check(value.ptr());

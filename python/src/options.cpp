@@ -21,7 +21,7 @@ std::vector<int> devices_of(const nb::dict& given) {
     return devices;
 }
 
-/// Converts a crumple.FuzzyCMeans.
+/// Converts a Python object of class crumple.FuzzyCMeans.
 FuzzyCMeans fuzzy_c_means_of(const nb::object& given) {
     return {.fuzziness = real("fuzziness", given.attr("fuzziness")),
             .max_iterations = integer<int>("max_iterations", given.attr("max_iterations")),

@@ -8,7 +8,7 @@
 
 namespace crumple::python {
 
-/// Converts a dict of all options, by name.
+/// Converts a dict that has a value for every option, by its name.
 Options options_of(const nanobind::dict& given);
 
 }  // namespace crumple::python

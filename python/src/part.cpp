@@ -18,7 +18,7 @@ using namespace nb::literals;
 namespace crumple::python {
 namespace {
 
-// Returns the Part of a Python object. Throws Error if __new__ left it empty.
+// Returns the Part of a Python object. Throws Error if the object was created by __new__ alone and has no Part.
 const Part& part_of(nb::handle object, std::string_view argument) {
     if (!nb::isinstance<Part>(object)) refuse_type(argument, "a crumple.Part", object);
     if (!nb::inst_ready(object)) refuse(std::string(argument) + " is a crumple.Part that nothing was put into");
@@ -76,13 +76,13 @@ PartMesh mesh_of(nb::handle given) {
     return mesh;
 }
 
-// Returns ids of a part for queries about features; None for other parts.
+// Returns the ids that a member of PartFeatures lists; None if the part was not made for a query about features.
 nb::object ids_of(nb::handle self, std::vector<std::int32_t> PartFeatures::*ids) {
     const auto& features = part_of(self, "this").features;
     return features ? nb::cast(column(self, (*features).*ids)) : nb::none();
 }
 
-// Converts a state. Detector.find refuses inconsistent parts.
+// Converts a state that __getstate__ returned to a Part. Checks types only; Detector.find refuses inconsistent parts.
 Part part_from(nb::handle given) {
     nb::tuple state;
     nb::list levels;

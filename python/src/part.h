@@ -1,6 +1,6 @@
 #pragma once
 
-// crumple.Part, the part of a scene that one of several machines searches.
+// crumple.Part: one of the parts that a scene is divided into, so that several machines can search a part each.
 
 #include <nanobind/nanobind.h>
 

@@ -17,7 +17,7 @@ namespace nb = nanobind;
 namespace crumple::python {
 namespace {
 
-/// Calls visit(name, member) for each member.
+/// Calls visit(name, member) for each member of a PartFeatures.
 template <class Features, class Visit>
 void for_each_member(Features& f, Visit visit) {
     visit("moving", f.moving);
@@ -49,7 +49,7 @@ void for_each_member(Features& f, Visit visit) {
     throw InvalidType(std::string("the state of a Part's features needs ") + name + " as __getstate__ gives it");
 }
 
-// Number type of an element.
+// Scalar type of the numbers that an element consists of.
 template <class T>
 struct NumberOf {
     using type = T;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Features of a part as a state for pickle.
+// Conversion of the features of a crumple.Part to a state for pickle, and back.
 
 #include <nanobind/nanobind.h>
 
@@ -8,11 +8,11 @@
 
 namespace crumple::python {
 
-/// Returns a dict of copied arrays and numbers.
+/// Returns a dict of all members by name: copies of arrays, and numbers.
 nanobind::dict state_of(const PartFeatures& features);
 
-/// Converts a state. Throws InvalidType for a state that state_of() cannot return. Detector::find refuses inconsistent
-/// parts.
+/// Converts a state that state_of() returned. Throws InvalidType if members are missing or of another type. Consistency is
+/// checked later, by Detector::find.
 PartFeatures features_from(nanobind::handle state);
 
 }  // namespace crumple::python

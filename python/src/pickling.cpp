@@ -44,8 +44,8 @@ constexpr std::pair<const char*, std::int64_t Statistics::*> counters[]{
     {"peak_memory_bytes", &Statistics::peak_memory_bytes},
 };
 
-// Returns a name that lives as long as the process. Limits their number, as there are few backends and instruction
-// sets.
+// Returns a copy of the name that lives as long as the process. Refuses more than 100 different names, so that states
+// cannot fill the memory: there are only a few names of backends and instruction sets.
 std::string_view static_name(const std::string& name) {
     static std::set<std::string>& names = *new std::set<std::string>;
     if (names.size() >= 100 && !names.contains(name)) refuse("the state of Statistics has a name that nobody knows");
@@ -95,14 +95,15 @@ void check_contacts(const Intersections& c, bool has_contacts) {
         for (const double coordinate : point) check(std::isfinite(coordinate), "points of contacts");
 }
 
-// Checks the rows of a block of a stream: in any order, without offsets and hit flags.
+// Throws Error unless the rows are valid for a block of a stream. Blocks have no offsets and no hit flags, and their pairs
+// may be in any order.
 void check_block(const Intersections& c, bool one_soup) {
     check(c.offsets.empty(), "offsets");
     check(c.hit.empty() && c.hit_second.empty(), "hit");
     for (const Pair& pair : c.pairs) check(pair.a >= 0 && pair.b >= 0 && (!one_soup || pair.a < pair.b), "pairs");
 }
 
-// Checks everything that writers and pictures rely on, except contacts.
+// Throws Error unless pairs, offsets and hit flags fit together: all that writers and pictures rely on, except contacts.
 void check_fit(const Intersections& c, bool one_soup) {
     check(are_offsets(c.offsets, c.hit.size(), c.pairs.size()), "offsets");
     const auto seconds = static_cast<std::int64_t>((one_soup ? c.hit : c.hit_second).size());
@@ -121,7 +122,8 @@ void check_fit(const Intersections& c, bool one_soup) {
     check(std::equal(hit_second.begin(), hit_second.end(), c.hit_second.begin(), c.hit_second.end()), "hit_second");
 }
 
-// Replaces ids of the meshes, which results of parts have, by positions in the part's lists of ids.
+// For results of parts, whose pairs contain ids of triangles in the whole mesh: replaces each id by its position in `ids`,
+// the part's list of ids. No effect without `ids`.
 void to_positions(const std::optional<Column<std::int32_t>>& ids, const Array<std::uint8_t>& hit,
                   std::int32_t Pair::*member, Array<Pair>& pairs) {
     if (!ids) return;
@@ -205,7 +207,7 @@ Statistics statistics_of(nb::handle given) {
 }
 
 void bind_pickling(nb::module_& module) {
-    // False for Statistics objects that were created but not restored.
+    // Returns False for Statistics objects that were created by __new__ but not restored from a state.
     module.def(
         "is_filled", [](nb::handle statistics) { return nb::inst_ready(statistics); }, "statistics"_a);
     module.def("restore", restore, "pairs"_a, "offsets"_a, "hit"_a, "hit_second"_a, "contact_kinds"_a,

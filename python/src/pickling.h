@@ -1,6 +1,6 @@
 #pragma once
 
-// States of statistics for pickle and comparison, and restored results.
+// States of Statistics objects, for pickle and comparison, and restoring of unpickled results.
 
 #include <nanobind/nanobind.h>
 
@@ -11,7 +11,7 @@ namespace crumple::python {
 /// Returns all members by name. Statistics are equal if their states are.
 nanobind::dict state_of(const Statistics& statistics);
 
-/// Converts a state. Throws InvalidType or Error (invalid_argument) for a state that state_of cannot return.
+/// Converts a state that state_of() returned. Throws InvalidType or Error (invalid_argument) for any other state.
 Statistics statistics_of(nanobind::handle state);
 
 void bind_pickling(nanobind::module_& module);

@@ -22,7 +22,7 @@ Output output_of(nb::handle query, const Names<Output, count>& names) {
 bool flag_of(nb::handle query, const char* name) { return flag(name, query.attr(name)); }
 double real_of(nb::handle query, const char* name) { return real(name, query.attr(name)); }
 
-// Converts a filter without excluded bodies, because their names depend on the scene.
+// Converts a filter, except its excluded bodies: these may be names, whose indices depend on the scene (excluded_in()).
 PairFilter filter_of(nb::handle query) {
     const nb::object given = query.attr("filter");
     return {.bodies = named(scope_names, "bodies", given.attr("bodies")),
@@ -30,7 +30,7 @@ PairFilter filter_of(nb::handle query) {
             .excluded_groups = group_pairs(given.attr("excluded_groups"))};
 }
 
-// Reads the members that all queries about motion have.
+// Reads the members that ImpactQuery, FirstImpactQuery and FreeStepQuery have in common.
 void read_step(nb::handle given, ImpactQuery& query) {
     query.min_distance = real_of(given, "min_distance");
     query.min_distance_share = real_of(given, "min_distance_share");
@@ -107,7 +107,8 @@ void read(nb::handle given, OverlapQuery& query) {
 
 bool is_constant(nb::handle value);
 
-// True if no member of a dataclass can change. Attributes with a leading underscore are not members.
+// True if the values of all members of a dataclass but `filter` are constants. Attributes with a leading underscore are not
+// members.
 bool is_frozen(nb::handle object) {
     for (const auto [name, value] : nb::cast<nb::dict>(object.attr("__dict__")))
         if (const std::string_view member = text("member", name);

@@ -110,7 +110,7 @@ void bind_intersections(nb::module_& module) {
     result.type().def("deep_copy", [](const Shown<R>& r) { return Shown<R>{std::make_shared<R>(r.found())}; });
 }
 
-// Names in Python of the arrays of a list.
+// Python names of the arrays of a list.
 struct ListNames {
     std::string pairs, prefix;  ///< "vertex_faces", "vertex_face_"
     const char *offsets, *second_offsets, *by_second;
@@ -123,7 +123,7 @@ const ListNames feature_lists[feature_kinds] = {
     {"vertex_vertices", "vertex_vertex_", "vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"},
 };
 
-// `list_of` returns a list of a result.
+// Binds the arrays of the list that list_of(result) returns. `value`, `flag`: end of the names of values and flags.
 template <class Result, class ListOf>
 void bind_list(Binding<Result>& result, ListOf list_of, const ListNames& names, const char* value, const char* flag) {
     result.template array<std::int32_t>(

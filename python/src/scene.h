@@ -1,7 +1,7 @@
 #pragma once
 
-// Conversion of the scene and the query of a call. crumple/_scene.py makes one of four kinds of scenes of the
-// arguments.
+// Conversion of the scene and the query of a call. The scene is one of four kinds of Python objects, which crumple/_scene.py
+// makes from the arguments of the call.
 
 #include <memory>
 #include <optional>
@@ -26,7 +26,8 @@ class BorrowedScene {
     /// on a device other than the detector's. `stream`: the CUDA stream on which arrays in CUDA memory must be ready.
     BorrowedScene(const SharedDetector& detector, nanobind::handle scene, void* stream = nullptr);
 
-    /// Returns the scene for the library. Call with a Turn, because poses may be copied to the detector's buffers.
+    /// Returns the scene for the library. Call it while a Turn exists, because poses may be copied to the detector's
+    /// buffers.
     Scene view(SharedDetector& detector) const;
 
     /// Returns the mesh; null for other scenes.
@@ -35,7 +36,7 @@ class BorrowedScene {
     const Bodies* bodies() const;
 
    private:
-    /// View of a crumple.Mesh: three arrays, and the attributes end, edges and points.
+    /// View of a crumple.Mesh: its three arrays (vertices, faces, groups), and its attributes end, edges and points.
     struct Mesh {
         Mesh(const nanobind::tuple& given, const char* which, void* stream);
         BorrowedMesh mesh;
@@ -56,7 +57,7 @@ class BorrowedScene {
     Source source_;
 };
 
-/// View of the arrays of a query, one row per vertex of the scene's mesh. Only a ProximityQuery has some.
+/// View of the arrays of a query, which have one row per vertex of the scene's mesh. Only a ProximityQuery has arrays.
 struct QueryArrays {
     std::optional<BorrowedRadii> radii;
     std::optional<BorrowedEnd> rest;
@@ -66,7 +67,8 @@ struct QueryArrays {
     void read(nanobind::handle given, const BorrowedScene& scene, ProximityQuery& query);
 };
 
-/// Returns the pairs of bodies that a filter excludes, from (n, 2) int32 or None, repeated for each configuration.
+/// Returns the pairs of bodies that a filter excludes, repeated for each configuration of the scene. `excluded`: body
+/// indices within one configuration, (n, 2) int32, or None.
 std::vector<BodyPair> excluded_in(const BorrowedScene& scene, nanobind::handle excluded);
 
 /// View of a query during a call.

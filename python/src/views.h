@@ -13,8 +13,8 @@
 
 namespace crumple::python {
 
-/// Returns a read-only NumPy view of an array. `columns`: the shape of its elements. The property that returns the view
-/// sets its owner.
+/// Returns a read-only NumPy view of an array. `columns`: number of scalars of type Number in each element, if there are
+/// several. The property that returns the view sets its owner, so the view itself keeps nothing alive.
 template <class Number, class Element, class... Columns>
 nanobind::ndarray<nanobind::numpy, const Number> view(const Array<Element>& array, Columns... columns) {
     import_numpy();
@@ -22,7 +22,7 @@ nanobind::ndarray<nanobind::numpy, const Number> view(const Array<Element>& arra
     return {static_cast<const Number*>(data), {array.size(), std::size_t{columns}...}};
 }
 
-/// Returns the members of crumple.FirstImpact, or None if there is no impact.
+/// Returns a tuple of the members of crumple.FirstImpact, or None if there is no impact.
 inline nanobind::object tuple_of(const FirstImpact& first) {
     namespace nb = nanobind;
     if (!first.found) return nb::none();

@@ -28,7 +28,8 @@ T& instance(nb::handle given, const char* argument, const char* type) {
     return *nb::inst_ptr<T>(given);
 }
 
-// Constructs a T in a Python object. No Python code and no other thread runs after the check.
+// Constructs a T in a Python object, unless there is one. No Python code and no other thread runs between the check and the
+// construction, so __init__ cannot construct twice.
 template <class T, class... Arguments>
 void construct(nb::handle self, const char* type, Arguments&&... arguments) {
     if (nb::inst_ready(self)) refuse(std::string(type) + ".__init__ has been called already");
@@ -36,7 +37,8 @@ void construct(nb::handle self, const char* type, Arguments&&... arguments) {
     nb::inst_mark_ready(self);
 }
 
-// Checks the shape of poses that a world keeps. Each call borrows them again, on its own stream.
+// Checks the shape of poses and returns a view for the world to keep. Each search borrows the array again, on its own
+// stream.
 BorrowedPoses looked_at(nb::handle poses, const Bodies& bodies, BorrowedPoses::When when = BorrowedPoses::When::start) {
     return {poses, bodies, when, no_stream()};
 }
@@ -67,8 +69,8 @@ void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
-// Makes a world of configurations: the bodies of `of` that are in world 0, once per configuration, and then its other
-// bodies, in all worlds.
+// Makes a world of configurations: the bodies of `of` that are in world 0 (the first ones), once per configuration, and then
+// the other bodies of `of`, which are static and in all worlds.
 void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb::handle poses, nb::handle end_poses) {
     if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
     const BorrowedWorld& world = given_world(of);
@@ -235,7 +237,7 @@ std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nb::handle pairs) {
                 throw Error(ErrorCode::index_out_of_range,
                             "excluded names body " + std::to_string(b) + " of " + std::to_string(bodies.distinct()),
                             Element::body, b);
-    // A pair of static bodies occurs once, for any number of configurations.
+    // A pair of two static bodies is listed once, no matter how many configurations there are.
     const auto repeats = [&](std::size_t i) {
         return given(i, 0) < bodies.moving || given(i, 1) < bodies.moving ? bodies.configurations : 1;
     };
@@ -255,7 +257,7 @@ std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nb::handle pairs) {
 
 using When = BorrowedPoses::When;
 
-// Replaces poses. The old ones are dropped last, because that may run Python code.
+// Replaces the poses of a world. Releases the old poses last, because that may run Python code.
 void place(nb::handle self, BorrowedPoses BorrowedWorld::*member, nb::handle poses, When when) {
     BorrowedWorld& world = given_world(self);
     BorrowedPoses given = looked_at(poses, *world.bodies, when);

@@ -28,7 +28,7 @@ template <class Number>
 using Column = nb::ndarray<const Number, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
-// Moves poses to a NumPy array (n, 3, 4), which owns them.
+// Returns a NumPy array (n, 3, 4) that owns the poses, which are moved, not copied.
 nb::object give(std::vector<Pose>&& poses) {
     import_numpy();
     const auto shared = new std::vector<Pose>(std::move(poses));
@@ -36,7 +36,7 @@ nb::object give(std::vector<Pose>&& poses) {
     return nb::cast(nb::ndarray<nb::numpy, double>(static_cast<void*>(shared->data()), {shared->size(), 3, 4}, owner));
 }
 
-// Returns (meshes, index of each body's shape, names, poses, warnings, unit).
+// Reads a world from a file. Returns (shapes as meshes, shape index of each body, names, poses, warnings, unit).
 nb::tuple read_world(nb::handle path, nb::handle precision, nb::handle weld, nb::handle triangulation,
                      nb::handle strict, nb::handle unit) {
     const Path from = python::path("path", path);
@@ -74,7 +74,7 @@ nb::object read_poses(nb::handle path, const std::vector<std::string>& names) {
     return give(std::move(poses));
 }
 
-// Copies a world for the writers: its shapes, and the current contents of its poses.
+// Copies a world for the writers of files: its shapes, and the current contents of `poses`.
 io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std::string>& names) {
     const BorrowedWorld& given = given_world(world);
     const std::shared_ptr<const Bodies> bodies = given.bodies;
@@ -97,8 +97,8 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
     refuse("the world was changed after the search: the result does not fit it any more");
 }
 
-// Sets hit flags of the triangles in pairs; without pairs, of all triangles of the bodies. Validates the indices,
-// because results may come from pickles.
+// Computes `first_triangle` and the hit flags of a result: those of the triangles in pairs or, if the result has only pairs
+// of bodies, those of all triangles of these bodies. Validates the indices, because results may come from pickles.
 void index(const io::WorldMesh& world, Intersections& c) {
     c.first_triangle.push_back(0);
     for (const io::NamedBody& body : world.bodies) {

@@ -1,4 +1,4 @@
-"""Helpers of several tests: small soups, and imports of packages that may be missing."""
+"""Helpers that several test files use: small triangle soups, and imports of packages that may be missing."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import crumple
 
 
 def peer(name: str):
-    """Another package, or a skip that says how to get it."""
+    """Returns another package. Skips the test, with a hint how to install the package, if it is missing."""
     try:
         return importlib.import_module(name)
     except ImportError as error:
@@ -23,7 +23,7 @@ def peer(name: str):
 
 
 def sufficient_limit(call, limit: int, **options) -> int:
-    """Doubles the memory limit, from one that is too small, until `call(detector)` succeeds under it."""
+    """Returns a memory limit under which `call(detector)` succeeds. Starts from `limit`, which must be too small."""
     with pytest.raises(crumple.MemoryLimit):
         call(crumple.Detector(memory_limit=limit, **options))
     while True:
@@ -36,7 +36,7 @@ def sufficient_limit(call, limit: int, **options) -> int:
 
 
 def soup(triangles: int, size: float = 0.2, seed: int = 1, dtype=np.float32) -> crumple.Mesh:
-    """Random triangles in the unit cube; those of size 0.2 collide a lot."""
+    """Returns random triangles in the unit cube. With the default size, many of them collide."""
     random = np.random.default_rng(seed)
     centres = random.random((triangles, 1, 3))
     vertices = (centres + size * (random.random((triangles, 3, 3)) - 0.5)).reshape(-1, 3).astype(dtype)
@@ -52,7 +52,7 @@ def as_set(pairs) -> set[tuple[int, int]]:
 
 
 class OnDevice:
-    """Array in host memory that claims to lie on a device, by default of CUDA (kind 2)."""
+    """Array in host memory that claims to be in device memory, by default of a CUDA device (DLPack's kind 2)."""
 
     def __init__(self, array, device=0, kind=2):
         self.array, self.place = array, (kind, device)
@@ -61,7 +61,7 @@ class OnDevice:
         return self.place
 
     def __dlpack__(self, **_):
-        """NumPy's own capsule with another device written into it: after the data pointer of a DLTensor."""
+        """Returns NumPy's own capsule, with another device written into its DLTensor, where it follows the pointer."""
         capsule = self.array.__dlpack__()
         address = ctypes.pythonapi.PyCapsule_GetPointer
         address.restype, address.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
@@ -77,7 +77,7 @@ def detector() -> crumple.Detector:
 
 @pytest.fixture(params=["cpu", "reference"])
 def either(request) -> crumple.Detector:
-    """One of either backend, for small scenes."""
+    """Detector of the cpu and of the reference backend: each test runs with both. For small scenes."""
     return crumple.Detector(backend=request.param, threads=2)
 
 
@@ -88,7 +88,7 @@ def reference() -> crumple.Detector:
 
 @pytest.fixture
 def crossing() -> crumple.Mesh:
-    """Triangles 0 and 1 cross in a segment, triangle 2 is far away."""
+    """Mesh of three triangles: 0 and 1 cross in a segment, 2 is far away."""
     vertices = np.array(
         [[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [1, 1, 2], [3, 1, 2], [9, 9, 9], [9, 9, 8], [9, 8, 9]], np.float64
     )

@@ -1,4 +1,4 @@
-"""A small scene for tests of motion and nearness, comparisons of results, and results made of changed states."""
+"""Helpers for tests of motion and nearness: a small scene, comparisons of results, and results with changed members."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import crumple
 from conftest import soup
 from crumple._results import Request
 
-# A triangle that falls through another one.
+# A step in which one triangle falls through another one.
 START = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 1], [2, 1, 2], [1, 2, 2]], np.float64)
 END = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [2, 1, 0.5], [1, 2, 0.5]], np.float64)
 FACES = np.array([[0, 1, 2], [3, 4, 5]], np.int32)
@@ -37,15 +37,17 @@ INDEX = [
 
 
 def assert_same(found, expected, more=()):
-    """Compares two results with everything listed, and the arrays `more`."""
+    """Checks that two results have the same lists, and the same contents of the arrays named in `more`."""
     for name in (*LISTS[type(expected).__name__], "edges", "first_edge", "points", "first_point", *more):
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name, strict=True)
     assert (found.any, found.count, len(found)) == (expected.any, expected.count, len(expected))
 
 
 def restored(result, **changes):
-    """Restores a result from the pickled state of another one, after `changes`: functions by the names of values and
-    arrays, of attributes of the request, and of parts of the scene.
+    """Returns a result restored from the changed state of `result`.
+
+    `changes`: functions that map old to new contents, by the name of an array or value, of an attribute of the request,
+    or of a part of the scene.
     """
     restore, (kind, asked, state, *given) = result.__reduce__()
     asked = Request(*asked)._asdict()
@@ -57,7 +59,7 @@ def restored(result, **changes):
 
 
 def check_index(found, vertices, faces):
-    """Ranges of rows by either feature, as a search of the lists has them."""
+    """Checks that the offsets give, for each first and each second feature, the rows that contain it."""
     edges = len(found.edges)
     for pairs, offsets, second_offsets, by_second, firsts, seconds in (
         (found.vertex_faces, found.vertex_offsets, found.face_offsets, found.by_face, vertices, faces),
@@ -72,7 +74,7 @@ def check_index(found, vertices, faces):
 
 
 def moving(seed, triangles=14, far=0.4, size=0.5, dtype=np.float64):
-    """(vertices, end, faces): a soup whose vertices all go somewhere else."""
+    """Returns (vertices, end, faces) of a soup whose vertices move in random directions."""
     mesh = soup(triangles, size=size, seed=seed, dtype=dtype)
     steps = np.random.default_rng(seed + 1000).normal(size=mesh.vertices.shape)
     return mesh.vertices, (mesh.vertices + far * steps).astype(dtype), mesh.faces

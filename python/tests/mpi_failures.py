@@ -1,4 +1,4 @@
-"""Cases in which a rank of MPI fails, for test_mpi.py, as mpi_ranks.py has others."""
+"""Cases for test_mpi.py in which an MPI rank fails. All other cases are in mpi_ranks.py."""
 
 import signal
 import threading
@@ -152,7 +152,7 @@ def ranks_fail_together_and_go_on():
         return detector.any(share, crumple.IntersectionQuery(**members))
 
     def differing(rank, **changed):
-        """Returns arguments of crumple.mpi.Detector.intersections, of which one rank has others."""
+        """Returns arguments of crumple.mpi.Detector.intersections, which are `changed` on one rank only."""
         given = dict(vertices=local.mesh.vertices, faces=local.mesh.faces, **local.ids)
         return given | (changed if COMM.rank == rank else {})
 
@@ -166,7 +166,7 @@ def ranks_fail_together_and_go_on():
             assert (error.rank, error.element, error.index) == (failing, "vertex", place)
             assert str(error).startswith(f"rank {failing}: ")
 
-            # Errors that Python finds before it calls the library.
+            # Errors that are raised in Python, before the library is called.
             for message, changed in {
                 "vertices must be float32 or float64, not int32": dict(vertices=local.mesh.faces),
                 "neighbours must be one of": dict(neighbours="none"),
@@ -184,7 +184,7 @@ def ranks_fail_together_and_go_on():
                     assert type(error) is crumple.InvalidInput and error.rank == failing, error
                     assert str(error).startswith(f"rank {failing}: {message}"), error
 
-            # An exception that is no error of the library.
+            # An exception that is not a crumple.Error.
             class Interrupting:
                 def __array__(self, *_, **__):
                     raise KeyboardInterrupt
@@ -215,7 +215,7 @@ def ranks_fail_together_and_go_on():
 
 
 class Alarm(Exception):
-    """Raised by the handler of SIGALRM, and by functions that are called while a search goes on."""
+    """Exception that the handler of SIGALRM raises, and a function that is called during a search."""
 
 
 def ring(*_):
@@ -245,7 +245,7 @@ def a_signal_ends_the_call_on_all_ranks():
 
             def search(rings=COMM.rank == failing):
                 if rings:
-                    signal.setitimer(signal.ITIMER_REAL, 0.1)  # while it waits for the others
+                    signal.setitimer(signal.ITIMER_REAL, 0.1)  # rings while this rank waits for the others
                 detector.find(local)
 
             check_alarm(search, failing)
@@ -302,7 +302,7 @@ def one_call_at_a_time():
             results = []
             thread = threading.Thread(target=lambda: results.append(detector.find(local)))
             thread.start()
-            time.sleep(0.2)  # it waits for the others
+            time.sleep(0.2)  # the thread now waits for the other ranks
             for call in (lambda: detector.find(local), detector.close):
                 assert "takes one at a time" in str(error_of(call))
             COMM.barrier()
@@ -332,7 +332,7 @@ def a_closed_detector_says_so():
             raise LookupError
     except LookupError:
         assert "closed" in str(error_of(lambda: other.rank))
-    assert crumple.mpi.Detector(COMM).options["threads"] >= 1  # left to the end of MPI
+    assert crumple.mpi.Detector(COMM).options["threads"] >= 1  # not closed: MPI frees it at its end
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Cases that ranks of MPI run for test_mpi.py: mpirun -n 3 python -m mpi4py mpi_ranks.py CASE. A failed rank ends all.
+"""Cases that MPI ranks run for test_mpi.py: mpirun -n 3 python -m mpi4py mpi_ranks.py CASE. A rank that fails ends all.
 
-Every rank makes the result of one process itself and looks for its own rows in it.
+Every rank also searches the whole scene by itself, and compares its local rows with its part of that result.
 """
 
 import ctypes
@@ -116,7 +116,7 @@ def nearness_is_that_of_one_detector():
 
 
 def on_device(array):
-    """Returns a copy in the memory of the device that the CPU plays for crumple.mpi."""
+    """Returns a copy in the memory of the device that the CPU emulates for crumple.mpi."""
     allocate = ctypes.CDLL(crumple._mpi.__file__).crumple_test_device_memory
     allocate.restype, allocate.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
     memory = (ctypes.c_byte * max(array.nbytes, 1)).from_address(allocate(max(array.nbytes, 1)))
@@ -140,7 +140,7 @@ def arrays_may_lie_on_a_device():
     one = crumple.Detector(**ONE)
     members = dict(filter=crumple.PairFilter(groups="between"))
     with crumple.mpi.Detector(COMM, backend="cuda", threads=1) as detector:
-        for some in (COMM.rank == 0, True):  # on one rank alone, and on all
+        for some in (COMM.rank == 0, True):  # arrays are on the device on rank 0 only, then on all ranks
             given = crumple.Mesh(*(map(on_device, on_host) if some else on_host))
             found = detector.intersections(given, **local.ids, **members)
             check_rows(found, local, one.intersections(mesh, **members))

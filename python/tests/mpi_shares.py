@@ -14,7 +14,7 @@ ONE = {"backend": "cpu", "threads": 1}
 
 
 class LocalMesh(crumple.mpi.MeshShare):
-    """Local mesh of a rank: its faces of a mesh, and the vertices that they name.
+    """Local mesh of a rank: the faces of a mesh that belong to this rank, with their vertices.
 
     Args:
         whole: the mesh of all ranks.
@@ -26,7 +26,7 @@ class LocalMesh(crumple.mpi.MeshShare):
         self.whole = whole
         triangle_ids = np.flatnonzero(ranks == rank)
         vertex_ids, faces = np.unique(np.asarray(whole.faces).reshape(-1, 3)[triangle_ids], return_inverse=True)
-        if rank == 0:  # rank 0 gets the vertices that no face names
+        if rank == 0:  # rank 0 also gets the vertices without a face
             vertex_ids = np.append(vertex_ids, np.setdiff1d(np.arange(len(whole.vertices)), whole.faces))
         vertices, end, groups = (
             None if array is None else np.asarray(array)[ids]
@@ -37,7 +37,7 @@ class LocalMesh(crumple.mpi.MeshShare):
 
     @property
     def ids(self):
-        """The ids as keywords."""
+        """Ids of triangles and vertices, as keyword arguments."""
         return {"triangle_ids": self.triangle_ids, "vertex_ids": self.vertex_ids}
 
 
@@ -63,7 +63,7 @@ def grouped():
 
 
 def check_rows(found, local, expected):
-    """Checks that these are the rows of the whole result whose first triangle belongs to this rank."""
+    """Checks that `found` has those rows of the whole result `expected` whose first triangle belongs to this rank."""
     mine = np.isin(expected.pairs[:, 0], local.triangle_ids)
     assert found.pairs.dtype == np.int32 and not (len(found) and found.pairs.flags.writeable)
     np.testing.assert_array_equal(found.pairs, expected.pairs[mine])
@@ -78,7 +78,7 @@ def check_rows(found, local, expected):
 
 
 def lowest_triangles(faces, corners):
-    """Returns the lowest of the faces that name each vertex, or each edge (two vertices)."""
+    """Returns, for each vertex (`corners` 1) or each edge (`corners` 2, as two vertices), its lowest face."""
     lowest = {}
     for triangle, face in enumerate(np.asarray(faces).reshape(-1, 3).tolist()):
         names = face if corners == 1 else [tuple(sorted((face[k], face[k - 1]))) for k in range(3)]
@@ -88,7 +88,7 @@ def lowest_triangles(faces, corners):
 
 
 def check_features(found, local, expected, columns):
-    """Checks that these are the rows of the whole result whose first feature is owned by a triangle of this rank."""
+    """Checks that `found` has those rows of `expected` whose first feature belongs to a triangle of this rank."""
     vertices, edges = (lowest_triangles(local.whole.faces, corners) for corners in (1, 2))
     ends = [tuple(edge) for edge in expected.edges.tolist()]
     owners = {
@@ -152,7 +152,7 @@ def bodies_of_the_last(count):
 
 
 def run(cases):
-    """Runs the case that the command line names."""
+    """Runs the case that the first command line argument names."""
     cases[sys.argv[1]]()
     COMM.barrier()
     if COMM.rank == 0:

@@ -1,4 +1,4 @@
-"""Programs that README.md and docs/start_*.md offer to copy, and the output that the pages print below each."""
+"""Programs in README.md and docs/start_*.md that readers can copy, and the output that the pages show below each."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from typing import NamedTuple
 TOP = Path(__file__).parents[2]
 PAGES = [TOP / "README.md", *sorted((TOP / "docs").glob("start_*.md"))]
 
-#: A fenced block of a language, and the next fenced block, if that is `text`: only words between them.
+#: A fenced block: its language, and its text.
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", flags=re.M | re.S)
 
 
 class Program(NamedTuple):
     """Attributes:
     language: cpp, python or sh.
-    prints: what the page says it prints, or None.
+    prints: the output that the page shows for it, or None.
     """
 
     page: Path
@@ -30,7 +30,7 @@ class Program(NamedTuple):
 
 
 def programs(page: Path) -> list[Program]:
-    """All programs of a page, in its order."""
+    """Returns all programs of a page, in order. A program's output is the next fenced block, if that is `text`."""
     blocks = FENCED.findall(page.read_text())
     following = [*blocks[1:], ("", "")]
     return [
@@ -41,7 +41,7 @@ def programs(page: Path) -> list[Program]:
 
 
 def run(program: Program, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Runs a program of Python or a shell in a folder, with this package's command line; errors are output, too."""
+    """Runs a Python or shell program in a folder, with this package's `crumple` command. Output includes errors."""
     start = {"python": [sys.executable, "-c"], "sh": ["bash", "-euo", "pipefail", "-c"]}[program.language]
     path = sysconfig.get_path("scripts") + os.pathsep + os.environ["PATH"]
     return subprocess.run(
@@ -55,5 +55,5 @@ def run(program: Program, folder: Path) -> subprocess.CompletedProcess[str]:
 
 
 def without_times(text: str) -> str:
-    """Every time is "? ms"."""
+    """Returns the text with every time replaced by "? ms"."""
     return re.sub(r"\d[\d.,]* ms\b", "? ms", text)

@@ -1,4 +1,4 @@
-"""Tests of the adapters for the IPC Toolkit: candidates are the near pairs, and ipctk's functions accept them."""
+"""Tests of the adapters for the IPC Toolkit: their candidates are the near pairs, and ipctk's functions accept them."""
 
 import os
 import subprocess
@@ -28,7 +28,7 @@ def columns(array):
 
 
 def scene(rods=True):
-    """Triangles, and rods and points beside them; edges in an order and a direction of their own."""
+    """Returns vertices, edges and faces: triangles, and optionally rods and points. Edges are shuffled and reversed."""
     mesh = soup(40, size=0.4, dtype=np.float64)
     random = np.random.default_rng(5)
     vertices = np.concatenate([mesh.vertices, 0.3 * random.random((8 if rods else 0, 3)) + 0.3])
@@ -77,7 +77,10 @@ def test_candidates_are_those_of_boxes_that_are_near(kind, moving):
 
 
 def boxes_overlap(points, split, end_points, radius):
-    """Returns flags: the box of the first `split` points overlaps that of the others, both inflated by the radius."""
+    """Returns, for each row, whether the boxes of its first `split` points and of its other points overlap.
+
+    Boxes contain the points at the start and at the end, and are inflated by the radius.
+    """
     both = np.concatenate([points, end_points], axis=1) if end_points is not None else points
     count, number = points.shape[1], np.arange(both.shape[1]) % points.shape[1]
     first, second = both[:, number < split], both[:, number >= split]
@@ -133,7 +136,7 @@ def test_steps_are_exact_and_no_shorter_than_ipctks():
         steps.append(ipctk.compute_collision_free_stepsize(mesh, vertices, end, broad_phase=broad_phase))
     assert 0 < steps[1] <= steps[0] <= exact
 
-    share = {"min_distance_share": 0.2}  # of all overlaps of boxes: pairs that never touch may come near
+    share = {"min_distance_share": 0.2}  # `candidates` has all overlaps of boxes, so also pairs that only come near
     first = adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, **share)
     assert first == toi_of(crumple.first_impact(vertices, end, faces, **share)) < exact
     assert not adapter.is_step_collision_free(candidates, mesh, vertices, end, **share)

@@ -1,4 +1,4 @@
-"""Self-contact lists for Newton: those of brute force, from all sides, and readable by Warp."""
+"""Self-contact lists for Newton: by vertex, triangle and edge they are equal to brute force, and Warp can read them."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ RADIUS = 0.08
 
 
 def cloth():
-    """Pressed flat, so that much of it is near."""
+    """Returns (vertices, faces, edges) of a cloth pressed flat, so that it has many near features."""
     mesh = crumple.make_scene("cloth", triangles=600, frame=60)
     mesh = crumple.Mesh(mesh.vertices * np.float32([1, 0.05, 1]), mesh.faces)
     edges = crumple.proximities(mesh, radius=0).edges
@@ -19,7 +19,7 @@ def cloth():
 
 
 def lists(kind, contacts, width):
-    """The entries of each element, and its least distance."""
+    """Returns the list of each vertex, triangle or edge, and its least distance. Checks the arrays of the layout."""
     flat, offsets, sizes, counts, least = (
         getattr(contacts, kind + part) for part in ("", "_offsets", "_buffer_sizes", "_count", "_min_dist")
     )
@@ -35,13 +35,13 @@ def lists(kind, contacts, width):
 
 
 def near(points, kind):
-    """Returns flags of the pairs that are near, and the distances of all pairs."""
+    """Returns, for pairs of features given by their points, whether they are near, and their distances."""
     squared = crumple.pair_distances(kind, points).squared_distance
     return squared < RADIUS**2, np.sqrt(squared)
 
 
 def check_least(least, distances):
-    """Rounded down, and the radius without a pair."""
+    """Checks that `least` is the least of `distances`, rounded down, or the radius if there are none."""
     expected = min([RADIUS, *distances])
     assert least <= expected and least >= np.float32(expected) * np.float32(1 - 2**-22)
 
@@ -95,7 +95,7 @@ def test_warp_reads_them_and_is_read():
     wp = peer("warp")
     wp.config.quiet = True
     vertices, faces, edges = cloth()
-    ends = np.concatenate([np.full_like(edges, -1), edges], axis=1)  # as Newton has them
+    ends = np.concatenate([np.full_like(edges, -1), edges], axis=1)  # the layout of Newton's edge_indices
     with wp.ScopedDevice("cpu"):
         positions = wp.array(vertices, dtype=wp.vec3)
         detector = SelfContactDetector(wp.array(faces, dtype=wp.int32), wp.array(ends, dtype=wp.int32))

@@ -1,4 +1,4 @@
-"""Results of the Python package are those of C++: the same bytes as from the command line, and from brute force."""
+"""Tests that results of the Python package have the same bytes as the command line's, and as those of brute force."""
 
 import functools
 import subprocess
@@ -24,7 +24,7 @@ QUERIES = {
 
 @functools.cache
 def small(name: str, triangles: int = 300) -> crumple.Mesh:
-    """The last frame, with groups of some kind."""
+    """Returns the last frame of a scene. If the scene has no groups, adds three."""
     mesh = crumple.make_scene(name, triangles=triangles)
     return mesh if mesh.groups is not None else mesh._replace(groups=np.arange(len(mesh.faces)) % 3)
 

@@ -1,4 +1,4 @@
-"""Arguments other than arrays, and groups: what is wrong is named, in calls, options, files and parts."""
+"""Tests of arguments other than arrays, and of groups: errors name the wrong argument, in calls, options and files."""
 
 import copy
 import pickle
@@ -218,7 +218,7 @@ def test_pairs_of_groups_from_any_iterable(detector):
 
 
 class Raising:
-    """An argument of any kind that raises when it is looked at."""
+    """Argument that raises an error when it is converted to an integer, a float or a path."""
 
     def __init__(self, error):
         self.error = error
@@ -302,7 +302,7 @@ def test_a_memory_limit_names_a_lower_bound():
     limit = sufficient_limit(lambda detector: detector.intersections(mesh), 10_000)
     assert limit >= least.bytes_needed
     enough = crumple.Detector(memory_limit=limit)
-    held = [enough.intersections(mesh).pairs for _ in range(3)]  # results in hand do not count
+    held = [enough.intersections(mesh).pairs for _ in range(3)]  # results in use do not count for the limit
     for pairs in held:
         np.testing.assert_array_equal(pairs, crumple.intersections(mesh).pairs)
 

@@ -1,4 +1,4 @@
-"""Other packages' meshes go in as they are; those packages are the real ones."""
+"""Tests of meshes of other packages as input, with the packages themselves."""
 
 import importlib.util
 

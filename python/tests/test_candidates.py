@@ -23,7 +23,7 @@ def assert_same(found, expected):
 
 
 def by_brute_force(vertices, end, faces, kind, inflation):
-    """The definition, in rational numbers."""
+    """Returns the candidates by their definition (docs/candidates.md), computed in rational numbers."""
     edges = sorted({tuple(sorted(p)) for f in faces.tolist() for p in itertools.combinations(f, 2) if p[0] != p[1]})
     features = {"vertex": [(v,) for v in sorted(set(faces.ravel().tolist()))], "edge": edges, "face": faces.tolist()}
     index = {"vertex": [v for (v,) in features["vertex"]], "edge": range(len(edges)), "face": range(len(faces))}

@@ -1,4 +1,4 @@
-"""Intersections with containment: a body inside another one counts."""
+"""Tests of intersections with containment, in which a body inside another one counts as a collision."""
 
 import copy
 import pickle
@@ -15,7 +15,7 @@ INSIDE = {"output": "body_pairs", "containment": True}
 
 
 def world():
-    """A room with two bodies inside, one of which meets a third in its wall; and one far away."""
+    """World of a room with two bodies inside, a body in the room's wall that meets one of them, and a body far away."""
     bodies = [UNIT, ROOM, box([0.5, 0.5, 0.5]), box([2.5, 0, 0]), box([9, 9, 9])]
     return crumple.World(bodies, names=["unit", "room", "box", "wall", "far"])
 

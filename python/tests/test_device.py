@@ -1,7 +1,7 @@
-"""Tests of arrays in CUDA memory, which the cuda backend reads in place; its results are those of other backends.
+"""Tests of arrays in CUDA memory, which the cuda backend reads in place. Results must equal those of the cpu backend.
 
-On a machine without a device `scripts/test_python.sh --cuda` builds the module with the backend that the CPU plays,
-whose device memory is the host's.
+On a machine without a device, `scripts/test_python.sh --cuda` builds the module with a device that the CPU emulates.
+The memory of that device is host memory.
 """
 
 import ctypes
@@ -19,7 +19,7 @@ ON_CPU = "CRUMPLE_CUDA_ON_CPU" in os.environ
 
 
 def on_device(array):
-    """A contiguous copy in device memory."""
+    """Returns a contiguous copy of an array in device memory."""
     if ON_CPU:
         allocate = ctypes.CDLL(crumple._core.__file__).crumple_test_device_memory
         allocate.restype, allocate.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
@@ -56,7 +56,7 @@ def cuda():
 
 @pytest.fixture
 def cpu():
-    """A detector of the cpu backend, where "automatic" would choose the cuda backend itself."""
+    """Detector of the cpu backend, for expected results: "automatic" would choose the cuda backend."""
     return crumple.Detector(backend="cpu")
 
 
@@ -82,7 +82,7 @@ def test_every_type(cuda, cpu, scalar, index):
 
 
 def test_devices(cuda, cpu):
-    """One that is listed is a device as any other; several are shared by C++'s tests, which play them."""
+    """A list of one device works like the option `device`. C++ tests cover several devices, on emulated ones."""
     listed = crumple.Detector(backend="cuda", devices=[0])
     assert_same(listed.intersections(MESH), cpu.intersections(MESH))
     with pytest.raises(crumple.InvalidInput, match="each once"):
@@ -188,7 +188,7 @@ START, END, FACES = STEP[0].vertices, STEP[1].vertices, np.asarray(STEP[0].faces
 
 
 def to_host(array):
-    """Returns what a crumple.DeviceArray holds, through the interface that CuPy, Numba and Warp read."""
+    """Returns the contents of a crumple.DeviceArray, read through the interface that CuPy, Numba and Warp use."""
     told = array.__cuda_array_interface__
     assert array.__dlpack_device__()[0] == 2 and told["shape"] == array.shape and told["version"] == 3
     if not ON_CPU:
@@ -271,7 +271,7 @@ def test_launches(cuda, cpu):
 
 
 def test_arrays_outlive_a_launch(cuda, cpu):
-    """The detector keeps what a launch was given."""
+    """The detector keeps the arrays of a launch alive, even if the caller drops them."""
     mesh = crumple.Mesh(on_device(START), on_device(FACES)).moving_to(on_device(END))
     launched = cuda.launch(mesh, crumple.ImpactQuery())
     del mesh
@@ -336,8 +336,8 @@ class CuPyStream:
         self.ptr = address
 
 
-# Streams as launches take them, and DLPack's numbers of them: 1 for the legacy default stream. PyTorch has no
-# per-thread default stream, which is 2.
+# Streams in the forms that launches accept, and the numbers that DLPack has for them: 1 is the legacy default stream, 2
+# the per-thread default stream, which PyTorch does not have.
 STREAMS = [(None, 1), (0, 1), (1, 1), (PyTorchStream(0), 1), (CuPyStream(1), 1)]
 STREAMS += [(2, 2), (PyTorchStream(2), 2), (CuPyStream(2), 2)] if ON_CPU else []
 
@@ -349,7 +349,7 @@ def test_launches_read_arrays_that_are_ready_on_their_stream(cuda, cpu, stream, 
     ]
 
     def launched(used, scene, query):
-        """Launches, and returns the result after it has checked the calls of the producers that are used."""
+        """Launches a query and returns its result. Checks that the launch called each producer in `used` once."""
         for producer in producers:
             producer.calls.clear()
         launch = cuda.launch(scene, query, stream=stream)
@@ -382,7 +382,7 @@ def test_both_meshes_of_a_launch_are_ready_on_its_stream(cuda, cpu, stream, numb
 def test_a_stream_of_any_address_is_passed_to_dlpack(cuda):
     address = 2**64 - 16
     producers = [Producer(array) for array in (START, FACES)]
-    with pytest.raises(crumple.Error):  # there is no such stream
+    with pytest.raises(crumple.Error):  # no stream has this address
         cuda.launch(crumple.Mesh(*producers), stream=address)
     assert_each_was_ready_once(producers, address)
 
@@ -458,7 +458,7 @@ BALL = soup(60, size=0.5, seed=4)
 
 
 def worlds_of(count, scalar):
-    """Bodies of two shapes, two a world, and one that is in all."""
+    """Returns a world, and poses: `count` worlds of two bodies, and one body that is in all of them."""
     poses = np.tile(np.eye(3, 4), (2 * count + 1, 1, 1))
     poses[:, :, 3] = np.random.default_rng(7).uniform(-0.5, 0.5, (2 * count + 1, 3))
     worlds = np.append(np.repeat(np.arange(count), 2), -1)
@@ -529,7 +529,7 @@ def test_searches_read_poses_that_are_ready_on_the_default_stream(cuda):
 
 
 def test_each_search_has_the_poses_of_a_world_made_ready(cuda):
-    """Between searches they may be written to, on any stream."""
+    """Each search makes the poses ready anew, because they may be written to between searches, on any stream."""
     world, poses = worlds_of(3, np.float64)
     world.poses = producer = Producer(poses)
     assert producer.calls == [{"stream": -1}], "only its shape is read"

@@ -1,4 +1,4 @@
-"""The programs in the documentation run, section by section, and hold what they assert."""
+"""Tests that the programs in the documentation run, section by section, and that their assertions hold."""
 
 import re
 import subprocess
@@ -12,7 +12,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 
 def sections(page):
-    """(page, heading, programs): what comes before the first heading with a program goes before every other one."""
+    """Yields (page, heading, programs) for each section with programs. A page's first one runs before all others."""
     text = (DOCS / page).read_text()
     for part in re.split(r"^## ", text, flags=re.M):
         programs = re.findall(r"^```python\n(.*?)^```", part, flags=re.M | re.S)
@@ -32,7 +32,7 @@ SECTIONS = [section for page in PAGES for section in sections(page)]
 
 
 def test_their_program_stands_beside_ours():
-    """Theirs on the left, ours on the right, in one row of a table that GitHub shows as such."""
+    """The program for another package is on the left, ours on the right, in one row of a table that GitHub can show."""
     text = (DOCS / "python_coming_from.md").read_text()
     row = r"<tr><td>\n\n```python\n(.*?)```\n\n</td><td>\n\n```python\n(.*?)```\n\n</td></tr>"
     rows = re.findall(row, text, flags=re.S)
@@ -89,7 +89,7 @@ PAGES_OF_COMMANDS = [*sorted(DOCS.glob("*.md")), *(DOCS.parent / name for name i
 
 @pytest.mark.parametrize("page", PAGES_OF_COMMANDS, ids=lambda page: page.name)
 def test_blocks_of_commands_can_be_pasted_whole(page):
-    """Remarks after commands begin with #: a shell takes anything else for an argument."""
+    """Remarks after commands begin with #, because a shell would pass anything else as an argument."""
     text = re.sub(r"^```(?!sh|bash|$).*?^```$", "", page.read_text(), flags=re.M | re.S)  # drops other languages
     for line in re.findall(rf"^(?: {{4}})?({COMMANDS}.*)$", text, flags=re.M):
         command, *remark = re.split(r" {2,}(?=\S)", line, maxsplit=1)

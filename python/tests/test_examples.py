@@ -1,4 +1,4 @@
-"""Every example runs and says what its documentation says; with PyVista it also paints its picture."""
+"""Tests that every example runs and prints what its documentation says; with PyVista it also draws its picture."""
 
 import importlib.util
 import os

@@ -1,4 +1,4 @@
-"""The interpreter ends while daemon threads are in calls: quietly, with status 0, and leaving nothing behind."""
+"""Tests that the interpreter ends with status 0, no output and no temporary files while daemon threads are in calls."""
 
 import os
 import subprocess
@@ -96,7 +96,7 @@ def test_a_file_that_is_being_written_is_finished(tmp_path):
 
 
 def test_what_never_ends_is_not_waited_for(tmp_path):
-    """A pipe that nobody reads, and in a child what another thread of its parent was at."""
+    """Exit waits neither for a write to a pipe without a reader nor, in a forked child, for threads of the parent."""
     os.mkfifo(tmp_path / "pipe.off")
     run(
         """

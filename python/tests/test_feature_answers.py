@@ -1,4 +1,4 @@
-"""Impacts and Proximities as values: they outlive everything, go through pickle whole or not at all, and are copied."""
+"""Tests of Impacts and Proximities as values: they outlive detector and arrays, and can be pickled and copied."""
 
 import copy
 import gc
@@ -36,7 +36,7 @@ OUTPUTS = {"Impacts": ["any", "any_by_world", "first", "pairs"], "Proximities": 
 
 
 def arrays_of(result):
-    """All that it has, what was not requested included."""
+    """Returns all arrays and values of a result, including those that were not requested."""
     raw = result._found
     names = [*LISTS[type(result).__name__], *BODIES, *INDEX, "edges", "first_edge", "points", "first_point"]
     made = {name: getattr(raw, name).tolist() for name in names}
@@ -188,7 +188,7 @@ def test_a_result_outlives_everything(name, detector):
 
 @pytest.mark.parametrize("name", ["impacts of a mesh", "pairs of a mesh"])
 def test_frames_use_memory_again(name, detector):
-    """Two results, and the rows that a search swaps with its result."""
+    """Results alternate between at most three arrays: those of two results, and one that the search swaps with them."""
     places = {RESULTS[name](detector).edge_edges.ctypes.data for _ in range(12)}
     assert len(places) <= 3
     held = [RESULTS[name](detector).edge_edges for _ in range(4)]
@@ -202,7 +202,7 @@ def test_copies_may_be_written_to(detector):
 
 
 def test_results_of_one_detector_do_not_disturb_each_other(detector):
-    """Each kind has its own storage: pairs of triangles, impacts, near pairs."""
+    """Intersections, impacts and proximities each have their own storage in the detector."""
     expected = arrays_of(detector.impacts(MESH, MOVED)), arrays_of(detector.proximities(MESH, radius=0.2))
     pairs = detector.intersections(MESH).pairs.tolist()
     impacts, near, result = detector.impacts(MESH, MOVED), detector.proximities(MESH, radius=0.2), None

@@ -1,4 +1,4 @@
-"""Impacts, near pairs and candidates to files."""
+"""Tests of files of impacts, near pairs and candidates."""
 
 import copy
 import json

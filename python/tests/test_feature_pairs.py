@@ -1,4 +1,4 @@
-"""Pairs of features that are given: decided as a search of the mesh that they are of decides them."""
+"""Tests of decisions about given pairs of features: they must equal those of a search of the whole mesh."""
 
 import functools
 
@@ -12,7 +12,7 @@ KINDS = {"vertex_face": 4, "edge_edge": 4, "vertex_edge": 3, "vertex_vertex": 2}
 
 
 def all_pairs(mesh, edges):
-    """Every vertex with every face that does not name it, and every two edges without a common vertex."""
+    """Returns, for vertex-face and for edge-edge pairs without a common vertex, all pairs and their vertices."""
     vertex, face = np.indices((len(mesh.vertices), len(mesh.faces))).reshape(2, -1)
     apart = (mesh.faces[face] != vertex[:, None]).all(axis=1)
     vertex, face = vertex[apart], face[apart]
@@ -98,7 +98,7 @@ def test_arrays_of_any_layout_are_taken():
         np.testing.assert_array_equal(one, other, strict=True)
     for one, other in zip(crumple.pair_impacts("vertex_face", start.tolist(), end.tolist()), expected):
         np.testing.assert_array_equal(one, other, strict=True)
-    expected.toi[:] = 2  # arrays of their own
+    expected.toi[:] = 2  # results have writable arrays of their own
 
 
 @pytest.mark.parametrize("kind, points", KINDS.items())

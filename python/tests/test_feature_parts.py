@@ -1,4 +1,4 @@
-"""Parts of meshes, searched for impacts and proximities: together they have the whole result."""
+"""Tests of parts of meshes: impacts and proximities of all parts together are the whole result."""
 
 import pickle
 
@@ -15,7 +15,8 @@ GROUPS = np.arange(60, dtype=np.int32) % 3
 HAIR = np.random.default_rng(2).normal(size=(40, 3))
 SEGMENTS = np.stack([np.arange(39), np.arange(1, 40)], axis=1)
 
-# Members of queries: of the whole and to make parts; and of the whole and of each part.
+# Members of queries: first those that the parts are made for, then those that may differ when parts are searched. The
+# search of the whole mesh uses both.
 MOTION = {
     "impacts": ({}, {}),
     "separated": ({"min_distance": 0.05, "weld": True}, {}),
@@ -31,7 +32,7 @@ NEAR = {
 
 
 def sorted_rows(results, pairs, names):
-    """Returns the rows of all results in the order of the whole one."""
+    """Returns the rows of all results together, in the order of the result of the whole mesh."""
     joined = {name: np.concatenate([getattr(result, name) for result in results]) for name in (pairs, *names)}
     order = np.lexsort((joined[pairs][:, 1], joined[pairs][:, 0]))
     return {name: array[order] for name, array in joined.items()}

@@ -1,4 +1,4 @@
-"""Results about features, delivered in blocks: all blocks together are the whole result."""
+"""Tests of results about features that are delivered in blocks: all blocks together are the whole result."""
 
 import pickle
 
@@ -21,7 +21,7 @@ PAIRS = ("vertex_faces", "edge_edges", "vertex_edges", "vertex_vertices")
 
 
 def arrays_of(answer):
-    """Returns the names of the arrays that blocks of such a result have."""
+    """Returns the names of the arrays that blocks of a result of this type have."""
     name = type(answer).__name__
     listed = ["vertex_faces", "edge_edges", "face_faces"] if name == "Candidates" else LISTS[name]
     return [*listed, *(CLOSEST if name == "Proximities" else [])]
@@ -39,12 +39,12 @@ def joined(blocks, names):
 
 
 def kind_of(name):
-    """The array of pairs whose rows an array belongs to."""
+    """Returns the name of the array of pairs to which the array `name` belongs."""
     return next(pairs for pairs in (*PAIRS, "face_faces") if name.startswith(pairs.rpartition("s")[0][:9]))
 
 
 def in_order(found):
-    """The same arrays with the rows of each kind by their pairs, and by bodies where those are there."""
+    """Returns the same arrays, with the rows of each kind sorted by pairs and, if there are bodies, by bodies."""
     orders = {}
     for kind in set(map(kind_of, found)):
         keys = [found[name] for name in found if kind_of(name) == kind and (name == kind or name.endswith("_bodies"))]

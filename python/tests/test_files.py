@@ -1,4 +1,4 @@
-"""Meshes, pairs and scenes from and to files."""
+"""Tests of reading and writing files of meshes, pairs and scenes."""
 
 import errno
 import gzip
@@ -113,7 +113,7 @@ def test_results_are_saved_by_extension(tmp_path, crossing, detector):
 
 
 def test_files_are_written_from_host_memory_only(tmp_path, crossing, detector):
-    """Addresses of another memory would be read as the host's."""
+    """Arrays in device memory are refused: their addresses would be read as addresses of host memory."""
     arrays = OnDevice(crossing.vertices, kind=1), OnDevice(crossing.faces, kind=1)
     results = [detector.intersections(*arrays), detector.intersections(crossing, arrays)]
     results[0].save(tmp_path / "mesh.html")
@@ -245,7 +245,7 @@ def test_what_is_odd_about_a_file_is_a_warning_or_with_strict_an_error(tmp_path)
 
 
 def test_an_old_file_stays_until_the_new_one_is_whole(tmp_path):
-    """A limit on the size of files stands for the full disk."""
+    """A limit on the size of files makes writing fail, as a full disk would."""
     code = f"""
 import resource, signal, crumple, numpy
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""Free steps: shares, what is held back and why, and what only approaches."""
+"""Tests of free steps: shares, objects that are held back, and `approaching_only`."""
 
 import pickle
 
@@ -10,7 +10,7 @@ from features import END, FACES, START, falling_world, moving
 
 
 def test_a_free_step_is_free_as_it_is_rounded(either):
-    """Where the step to the time of contact in floating point may not be."""
+    """The rounded positions are reached without an impact; vertices + toi * (end - vertices) might not be."""
     for dtype in (np.float32, np.float64):
         for seed in range(3):
             vertices, end, faces = moving(seed, dtype=dtype)
@@ -36,7 +36,7 @@ def test_a_free_step_is_free_as_it_is_rounded(either):
 
 
 def beside(offset, count=6):
-    """The falling vertex twice, side by side; the second one starts and ends higher by `offset`."""
+    """Returns a step with two copies of the falling triangle, side by side. The second one is higher by `offset`."""
     shift = np.array([10, 0, 0])
     high = np.array([0, 0, 0] * 3 + [0, 0, offset] * 3).reshape(6, 3)
     start, end = np.concatenate([START, START + shift + high]), np.concatenate([END, END + shift + high])
@@ -79,7 +79,7 @@ def test_triangles_that_intersect_are_named(either):
 
 
 def test_what_moves_apart_is_free_on_request(either):
-    """The vertex starts at a height of 1."""
+    """The vertex starts at a height of 1, nearer than the minimum distance, and moves up."""
     up = START + [0, 0, 1] * np.arange(6)[:, None].clip(2, 3).astype(float) - [0, 0, 2]
     up[:3] = START[:3]
     near = {"min_distance": 1.5, "approaching_only": True}

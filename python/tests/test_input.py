@@ -1,4 +1,4 @@
-"""Arrays as input: every layout is read for what it is, nothing is written to, and what is wrong is named."""
+"""Tests of input arrays: every layout is read correctly, no array is written to, and errors name the wrong array."""
 
 import re
 
@@ -14,7 +14,7 @@ EXPECTED_DOUBLE = crumple.intersections(MESH.vertices.astype(float), MESH.faces)
 
 
 def interleaved(array, dtype):
-    """A field of packed records whose size is no multiple of the numbers'."""
+    """Returns the array as a field of packed records, whose size is no multiple of the size of the field's numbers."""
     records = np.zeros(len(array), [("name", "u1"), ("values", dtype, 3), ("flags", "u2")])
     records["values"] = array
     return records["values"]
@@ -42,7 +42,7 @@ LAYOUTS = {
     "index", ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "longlong"]
 )
 def test_every_layout_and_type(layout, scalar, index, detector):
-    few = 40  # so many triangles name vertices that fit int8
+    few = 40  # the vertex indices of so many triangles fit in int8
     vertices, faces = LAYOUTS[layout](MESH.vertices.astype(scalar)), LAYOUTS[layout](MESH.faces[:few].astype(index))
     expected = [pair for pair in EXPECTED if max(pair) < few]
     assert detector.intersections(vertices, faces).pairs.tolist() == expected and len(expected) > 10
@@ -143,7 +143,7 @@ def holes(array, hole=None):
 
 
 def rows(array, cut=None):
-    """A one-dimensional array of rows, one of which is shorter."""
+    """Returns a one-dimensional array of row objects. Row `cut`, if given, is shorter."""
     objects = np.empty(len(array), object)
     for i, row in enumerate(array):
         objects[i] = row[:2] if i == cut else row
@@ -322,7 +322,7 @@ def test_nothing_is_converted_on_a_device(detector):
 
 
 class Producer(OnDevice):
-    """Records the arguments of each call of its __dlpack__, which raises `errors` one after the other."""
+    """Array that records the arguments of each call of its __dlpack__. The first calls raise `errors`, one each."""
 
     def __init__(self, array, kind=2, errors=()):
         super().__init__(array, kind=kind)
@@ -336,7 +336,7 @@ class Producer(OnDevice):
 
 
 class Unannounced(Producer):
-    """Lies in CUDA memory, but does not say so before it is read."""
+    """Array in CUDA memory without __dlpack_device__, so that its memory is not known before __dlpack__ is called."""
 
     __dlpack_device__ = None
 
@@ -419,7 +419,7 @@ def test_a_device_of_another_kind_is_named(detector):
 
 
 class Enumerator:
-    """As Open3D's: a value, and no way to int."""
+    """Enumerator like those of Open3D: it has a value, but cannot be converted to int."""
 
     def __init__(self, value):
         self.value = value
@@ -440,7 +440,7 @@ def test_a_device_that_makes_no_sense_is_refused(place, detector):
 
 
 class OnlyPlace:
-    """Says where it lies, but is read as NumPy reads it."""
+    """Array that has __dlpack_device__ but no __dlpack__, so that it is read through __array__."""
 
     def __init__(self, array, place):
         self.array, self.place = array, place

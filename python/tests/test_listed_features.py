@@ -1,4 +1,4 @@
-"""Edges and points that a caller lists: rods, hair, particles, and a mesh's own lists."""
+"""Tests of codimensional edges and points: rods, hair, particles, and meshes with lists of their own."""
 
 import copy
 import json

@@ -1,4 +1,4 @@
-"""Where memory goes back to, and what happens without any. Each test has a process of its own."""
+"""Tests of freed memory, and of calls on a machine without free memory. Each test has a process of its own."""
 
 import os
 import subprocess
@@ -16,7 +16,7 @@ def run(program, **environment):
 
 
 def test_under_a_memory_limit_a_dropped_result_is_freed():
-    """Without one its memory waits for the detector's next call."""
+    """Without a limit, the detector keeps the memory of a dropped result for its next call."""
     program = """
         import numpy as np, crumple
         vertices = np.random.default_rng(1).random((9000, 3)).astype(np.float32)

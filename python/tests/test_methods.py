@@ -1,4 +1,4 @@
-"""Methods of Detector: signature, documentation, calls and refusals are those of Python."""
+"""Tests of the methods of Detector: signatures, documentation, calls and errors are as in plain Python."""
 
 import copy
 import dataclasses
@@ -75,7 +75,7 @@ def test_declared_defaults_are_the_defaults(name, detector):
 
 
 def scene_of(name):
-    """The scene that a method makes of its arguments."""
+    """Returns the scene that method `name` makes from its arguments in CALLS."""
     if name == "distances":
         return [MESH, MESH]
     return MESH.moving_to(END) if END is CALLS[name][-1] else MESH
@@ -83,7 +83,7 @@ def scene_of(name):
 
 def test_arguments_by_name_and_by_place(detector):
     vertices, faces, _ = MESH
-    names = dict(zip(("".join(["verti", "ces"]), "".join(["fa", "ces"])), (vertices, faces)))  # not interned
+    names = dict(zip(("".join(["verti", "ces"]), "".join(["fa", "ces"])), (vertices, faces)))  # not interned str
     for answer in (
         detector.intersections(vertices, faces),
         detector.intersections(vertices, faces=faces),
@@ -182,7 +182,7 @@ def test_a_detector_is_made_once(detector):
     assert detector.options["threads"] == 2 and detector.intersections(MESH).pairs.tolist() == EXPECTED
 
     class Again:
-        """Makes the detector while it is being made."""
+        """Option that calls __init__ of the detector again, while its __init__ reads the option."""
 
         def __index__(self):
             nested.__init__(threads=1)
@@ -267,7 +267,7 @@ def test_find_refuses_exactly_the_scenes_that_are_not_supported(scene, name):
     if why:
         with pytest.raises(crumple.InvalidInput, match=why):
             detector.find(SCENES[scene], query)
-    elif scene != "part" or name == "intersections":  # parts serve the type of query that they were made for
+    elif scene != "part" or name == "intersections":  # these parts are for intersections only
         detector.find(SCENES[scene], query)
 
 

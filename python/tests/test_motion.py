@@ -1,4 +1,4 @@
-"""Tests of impacts in a motion against brute force: meshes, worlds, outputs and options."""
+"""Tests of impacts during a step, against brute force: meshes, worlds, outputs and options."""
 
 import inspect
 import pickle
@@ -18,7 +18,7 @@ def step_of(start, end, faces):
 
 
 def firsts_of(impacts):
-    """The first impact by what the lists say: (kind, pair, toi, start)."""
+    """Returns the first impact in the lists, as (toi, kind, pair, start)."""
     return min(
         (toi, kind, tuple(pair), bool(start))
         for kind, name in enumerate(("vertex_face", "edge_edge"))
@@ -42,7 +42,7 @@ def test_vertex_face_and_time(either):
 
 @pytest.mark.parametrize("speed, toi", [(3, 1 / 3), (10, np.nextafter(0.1, 0)), (2, 0.5)])
 def test_edge_edge_and_time_rounded_down(speed, toi, either):
-    """The number nearest to 1 / 3 is less, that nearest to 1 / 10 is more."""
+    """The float64 nearest to 1/3 is less than 1/3. The one nearest to 1/10 is more than 1/10, and must not occur."""
     start = np.array([[-1, 0, 0], [1, 0, 0], [0, 0, -99], [0, -1, 1], [0, 1, 1], [0, 0, 99]], np.float64)
     end = start.copy()
     end[3:, 2] -= speed
@@ -85,7 +85,7 @@ def test_without_a_detector():
     ids=str,
 )
 def test_features_touch_at_a_distance(min_distance, toi, either):
-    """The vertex falls from a height of 1 to -1, above the inside of the face."""
+    """The vertex falls from a height of 1 above the face to -1, through the inside of the face."""
     found = either.impacts(START, END, FACES, output="first", **min_distance)
     assert found.first.toi == toi and found.first.start is (toi == 0)
     assert toi_of(either.first_impact(START, END, FACES, **min_distance)) == toi
@@ -101,7 +101,7 @@ def test_features_touch_at_a_distance(min_distance, toi, either):
 
 
 def test_a_weld_makes_neighbours(either):
-    """The vertices of a hinge, twice: the same at the start and at the end."""
+    """Two triangles of a hinge have separate vertices at the same positions, at the start and at the end."""
     start = np.array([[0, 0, 0], [0, 1, 0], [1, 0, 0], [0, 0, 0], [0, 1, 0], [-1, 0, 0]], np.float64)
     end = start + np.array([0, 0, 1.0])
     assert len(either.impacts(start, end, FACES)) and (
@@ -283,7 +283,7 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
 
 
 def test_triangles_that_are_stuck_or_come_to_touch(either, tmp_path):
-    """A blade that sticks in a plate and moves along, and one that comes down on it."""
+    """One blade is stuck in a plate and moves sideways; another one comes down on the plate."""
     start = np.array([[-9, -9, 0], [9, -9, 0], [0, 9, 0], [0, 0, -1], [0.5, 0, 1], [-0.5, 0.2, 1]])
     start = np.vstack([start, np.array([1, 0, 2]) + start[3:]])
     end = start.copy()

@@ -1,4 +1,4 @@
-"""Tests of scenes on ranks of MPI: mpirun starts ranks that run one function of mpi_ranks.py or mpi_failures.py."""
+"""Tests of scenes on MPI ranks: mpirun starts ranks, which run one function of mpi_ranks.py or mpi_failures.py."""
 
 import inspect
 import os
@@ -15,7 +15,8 @@ import mpi
 
 FILES = [Path(__file__).with_name(name) for name in ("mpi_ranks.py", "mpi_failures.py")]
 FILE_OF = {case: file for file in FILES for case in re.findall(r"^def (\w+)\(\):$", file.read_text(), flags=re.M)}
-# Numbers of ranks of some cases; all others run on three. One rank is a special case without communication.
+# Numbers of ranks on which some cases run; all others run on three. A single rank is a special case: it does not
+# communicate.
 RANKS_OF = {
     "the_result_is_that_of_one_detector": (1, 3),
     "motion_is_that_of_one_detector": (1, 3),
@@ -43,7 +44,7 @@ def test_there_are_cases():
 @needs_mpi
 @pytest.mark.parametrize("case, ranks", [(case, ranks) for case in FILE_OF for ranks in RANKS_OF.get(case, (3,))])
 def test_ranks(case, ranks):
-    # mpi4py's own way to run a program ends all ranks if one fails.
+    # `-m mpi4py` ends all ranks if one of them fails.
     done = run("mpirun", "-n", str(ranks), sys.executable, "-m", "mpi4py", FILE_OF[case], case)
     assert done.returncode == 0 and "passed" in done.stdout, done.stdout + done.stderr
 
@@ -98,7 +99,7 @@ def test_options_are_those_of_a_detector():
     done = python(
         "import inspect, crumple.mpi\n"
         "one, many = (inspect.signature(d.__init__).parameters for d in (crumple.Detector, crumple.mpi.Detector))\n"
-        "of_each = [name for name in one if name != 'devices']\n"  # a rank has one
+        "of_each = [name for name in one if name != 'devices']\n"  # each rank has one device
         "assert list(many)[:4] == ['self', 'comm', 'parts', 'round_bytes'] and list(many)[4:] == of_each[1:]\n"
         "assert all(many[name] == one[name] for name in of_each)\n"
         "for call in 'intersections', 'impacts', 'proximities':\n"

@@ -14,7 +14,7 @@ from worlds import random_poses
 
 
 def test_pairs_and_distances(either):
-    """The lowest vertex of the upper triangle is 1 above the inside of the other one."""
+    """The lowest vertex of the upper triangle is at a height of 1 above the inside of the other triangle."""
     found = either.proximities(START, FACES, radius=1)
     assert found.vertex_faces.tolist() == [[3, 0]] and found.vertex_face_squared_distance.tolist() == [1]
     assert found.vertex_face_touching.tolist() == [False] and found.edge_edges.shape == (0, 2)
@@ -53,7 +53,7 @@ def test_where_they_are_closest(either):
     assert found.vertex_faces[:2].tolist() == [[0, 1], [3, 0]] and kinds[:2] == ["P_T0", "P_T"]
     assert found.vertex_face_at.tolist()[:2] == [[0, 0], [0.25, 0.25]], "a corner, and (1, 1) of a face of 4 by 4"
     edges = {tuple(edge): i for i, edge in enumerate(found.edges[found.edge_edges].reshape(-1, 4).tolist())}
-    row = edges[0, 1, 3, 4]  # from (0, 0, 0) to (4, 0, 0), and from (1, 1, 1) on
+    row = edges[0, 1, 3, 4]  # the edges from (0, 0, 0) to (4, 0, 0), and from (1, 1, 1) to (2, 1, 2)
     assert crumple.EdgeEdgeType(found.edge_edge_type[row]).name == "EA_EB0"
     assert found.edge_edge_at[row].tolist() == [0.25, 0] and found.edge_edge_type.dtype == np.uint8
     for pairs, vertex in ((found.vertex_faces, True), (found.edge_edges, False)):
@@ -295,7 +295,7 @@ def test_neighbours_and_what_is_close_at_rest_are_left_out(either):
     mesh = soup(20, size=0.5, seed=3, dtype=np.float64)
     for question in ({"radius": 0.3}, {"radii": np.random.default_rng(1).random(len(mesh.vertices)) * 0.2}):
         every = either.proximities(mesh, **question)
-        assert_same(either.proximities(mesh, rings=3, **question), every)  # each triangle by itself
+        assert_same(either.proximities(mesh, rings=3, **question), every)  # no shared vertices
         assert not either.proximities(mesh, rest=mesh.vertices, rest_radius=1, **question)
         rest = mesh.vertices.astype(np.float32) * 2
         some = either.proximities(mesh, rest=rest, rest_radius=0.3, **question)
@@ -309,7 +309,7 @@ def test_neighbours_and_what_is_close_at_rest_are_left_out(either):
 def test_brute_force_agrees_on_filters(detector, reference):
     random = np.random.default_rng(5)
     mesh = soup(14, size=0.6, seed=6, dtype=np.float64)
-    mesh.faces[3:9] = mesh.faces[2:8] // 2  # with common vertices
+    mesh.faces[3:9] = mesh.faces[2:8] // 2  # these triangles have vertices in common
     for rings in range(4):
         asked = {
             "radii": random.random(len(mesh.vertices)) * 0.3,

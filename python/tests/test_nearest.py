@@ -1,4 +1,4 @@
-"""Tests of distances between bodies, against brute force and the reference backend, and of the results as values."""
+"""Tests of distances between bodies against brute force and the reference backend, and of their results as values."""
 
 import copy
 import pickle
@@ -38,7 +38,7 @@ def test_two_squares(either):
 
 
 def test_vertices_are_as_near_as_rational_numbers_say(either):
-    """Single points, as collapsed triangles: nothing is closer than two vertices."""
+    """All triangles are degenerate, with three equal corners, so the distance is that of two vertices."""
     points = np.random.default_rng(2).uniform(-1, 1, (8, 3))
     shapes = [(points[k : k + 4], np.repeat(np.arange(4)[:, None], 3, axis=1)) for k in (0, 4)]
     found = either.distances(crumple.World(shapes))

@@ -1,4 +1,4 @@
-"""Overlaps of closed bodies: boxes whose numbers are known, and what is refused."""
+"""Tests of overlaps of closed bodies: boxes for which all numbers are known, and input that is refused."""
 
 import copy
 import pickle
@@ -195,7 +195,7 @@ def area_of(mesh):
 
 @pytest.mark.parametrize("name", ["a.html", "a.glb", "a.3mf", "a.obj", "a.ply"])
 def test_pictures_show_the_surface_of_the_overlap(detector, tmp_path, name):
-    other = box([0.5, 0.25, 0.125])  # both cover a box of 1/2 x 3/4 x 7/8
+    other = box([0.5, 0.25, 0.125])  # the overlap is a box of 1/2 x 3/4 x 7/8
     detector.overlaps(UNIT, other).save(tmp_path / name, UNIT, other)
     world = crumple.World([UNIT], [0, 0], poses=np.array([np.eye(4), np.eye(4)]), names=["a", "b"])
     world.poses[1, :3, 3] = [0.5, 0.25, 0.125]

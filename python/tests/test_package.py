@@ -1,4 +1,4 @@
-"""The package as it is installed: command line, types, documentation, what it imports."""
+"""Tests of the installed package: its command line, types, documentation and imports."""
 
 import inspect
 import os
@@ -53,7 +53,7 @@ def test_the_version_has_one_place():
 
 
 def test_two_distributions_are_refused(tmp_path):
-    """With and without the cuda backend they have the same files."""
+    """The distributions with and without the cuda backend install the same files."""
     (tmp_path / "crumple").symlink_to(PACKAGE)
     environment = os.environ | {"PYTHONPATH": str(tmp_path)}
     for name in ("crumple-0.2.0", "numpy_cuda13-1.0", "crumple_tools-1.0"):
@@ -68,7 +68,7 @@ def test_two_distributions_are_refused(tmp_path):
 
 
 def test_devices_or_a_reason():
-    """Depends on the machine: one of both is empty."""
+    """Either the list of devices or the reason is empty, depending on the machine."""
     devices, reason = crumple.list_devices()
     assert bool(devices) != bool(reason) and "\n" not in reason
     assert isinstance(crumple.Detector().fallback, str) and crumple.Detector(backend="cpu").fallback == ""
@@ -143,7 +143,7 @@ def test_without_numpy_a_search_says_so():
 
 
 def test_importing_imports_little():
-    """NumPy, too, is imported when it is needed. How long that takes: benchmarks/one_process.py."""
+    """Not even NumPy is imported before it is needed. benchmarks/one_process.py measures the time of imports."""
     modules = run("-c", "import crumple, sys; print(*sys.modules)", check=True).stdout.split()
     assert "crumple" in modules
     assert not {"numpy", "pyvista", "trimesh", "meshio", "open3d", "torch"} & set(modules)

@@ -1,4 +1,4 @@
-"""README.md and docs/start_*.md: what they have to copy runs as it stands, and prints what they say."""
+"""Tests that the programs in README.md and docs/start_*.md run unchanged and print the output shown on the page."""
 
 import re
 
@@ -19,7 +19,7 @@ def name_of(program):
 
 
 def heading_anchors(page):
-    """As GitHub makes them."""
+    """Returns the anchors of all headings of a page, in the form in which GitHub makes them."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(), flags=re.M)
     return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
 

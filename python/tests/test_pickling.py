@@ -1,4 +1,4 @@
-"""Results, statistics and parts as plain values: pickled and copied, whole or not at all."""
+"""Tests of results, statistics and parts as plain values: they can be pickled and copied; inconsistent pickles fail."""
 
 import contextlib
 import copy
@@ -163,7 +163,10 @@ def test_meshes_that_cannot_be_pickled_are_named():
 
 
 def changes():
-    """Yields a name, what is changed in the state of a result of two meshes with contacts, how, and the message."""
+    """Yields invalid changes to the state of a result of two meshes with contacts.
+
+    Each is (name of the change, name of the array or value, function that changes it, part of the expected message).
+    """
 
     def at(index, value):
         def change(array):
@@ -275,7 +278,7 @@ def test_blocks_come_back_whole(detector, tmp_path):
 
 
 def test_results_of_version_0_2_are_refused():
-    """Their pickles name functions, by which they were restored."""
+    """Pickles of results of version 0.2 name the functions that restored them."""
     functions = ["_pickling.restore", "_feature_pickling.restore", "_world_pickling.restore_result"]
     functions += ["_candidates._restore", "_nearest._restore"]
     program = r"""
@@ -294,7 +297,7 @@ for function in sys.argv[1:]:
 
 
 def test_classes_that_older_pickles_name_are_found():
-    """By the modules that they were in."""
+    """Old pickles name classes by the modules that they were in then."""
     for path, kind in (
         ("_fuzzy_c_means.FuzzyCMeans", crumple.FuzzyCMeans),
         ("_impacts.FirstImpact", crumple.FirstImpact),
@@ -315,7 +318,7 @@ def test_classes_that_older_pickles_name_are_found():
 
 
 def test_arrays_with_wrong_bytes_do_not_crash(tmp_path):
-    """Whatever comes back fits together, but for the meshes, which writers check."""
+    """Any result that can be restored is consistent, except for its meshes, which the writers of files check."""
     buffers = []
     pickled = pickle.dumps(RESULTS[0][1], 5, buffer_callback=buffers.append)
     buffers = [bytes(buffer) for buffer in buffers]
@@ -380,7 +383,7 @@ def test_the_state_of_statistics_is_checked(name, value):
     elif value == "missing":
         del state[name]
     elif (name, value) == ("milliseconds", 2**70):
-        return  # a number like any other
+        return  # 2**70 is a valid float
     else:
         state[name] = value
     with pytest.raises(crumple.InvalidType, match=f"the state of Statistics (must be a dict|needs another {name})$"):
@@ -388,7 +391,7 @@ def test_the_state_of_statistics_is_checked(name, value):
 
 
 def test_names_in_statistics_are_kept_once():
-    """And only so many of them: hostile states shall not fill the memory."""
+    """Only a limited number of names is stored, so that hostile states cannot fill the memory."""
     program = """
 import crumple
 state = crumple.Detector().intersections([], []).statistics.__getstate__()

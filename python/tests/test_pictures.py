@@ -1,4 +1,4 @@
-"""Pictures: what they are made of is checked here; how they look was looked at (docs/python_gallery.md)."""
+"""Tests of the contents of pictures. Their appearance was checked by eye (docs/python_gallery.md)."""
 
 import base64
 import errno
@@ -21,7 +21,7 @@ def test_a_drawing_colours_what_collides(crossing, detector):
 
 
 def test_contacts_are_drawn_by_their_kind(detector):
-    """A coplanar overlap with three edges, a crossing with one, a touch with none."""
+    """A coplanar overlap is drawn with three lines, a crossing with one, and a touching point with none."""
     vertices = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 0], [2, 1, 0], [1, 2, 0]]
     area = detector.intersections(vertices, [[0, 1, 2], [3, 4, 5]], output="contacts")
     assert drawing_of(area._painted()).lines.shape == (3, 2, 3) and not len(drawing_of(area._painted()).points)

@@ -1,4 +1,4 @@
-"""Random soups, found by hypothesis, against brute force in rational arithmetic."""
+"""Tests of random soups, which hypothesis generates, against brute force in rational arithmetic."""
 
 import numpy as np
 from hypothesis import assume, given, settings
@@ -10,7 +10,7 @@ import crumple
 WARM = crumple.Detector(threads=2, leaf_size=4)
 REFERENCE = crumple.Detector(backend="reference")
 
-# A small grid makes triangles touch, overlap and degenerate exactly; scales go to where numbers end.
+# On a small grid, triangles often touch, overlap or are degenerate exactly. Scales reach the limits of float64.
 grid = st.integers(-3, 3).map(float)
 free = st.floats(-1e3, 1e3, allow_subnormal=True)
 scales = st.sampled_from([1.0, 1e-3, 3e7, 1e-300, 1e300])
@@ -59,7 +59,7 @@ def same(found, expected):
 
 
 def sensible(query, *meshes):
-    """Between groups there is nothing to find without groups, and nothing to exclude."""
+    """Rejects queries that need groups for meshes without groups, which are errors."""
     needs_groups = query["filter"].groups == "between" or query["filter"].excluded_groups
     assume(not needs_groups or any(mesh.groups is not None for mesh in meshes))
 
@@ -88,7 +88,7 @@ def test_two_soups(a, b, query):
     arrays.arrays(arrays.scalar_dtypes(), arrays.array_shapes(max_dims=3, max_side=4)),
 )
 def test_whatever_comes_in_is_answered_or_refused(vertices, faces):
-    """Never a crash, never another exception."""
+    """Any arrays give a result or InvalidInput, but never a crash or another exception."""
     try:
         pairs = WARM.intersections(vertices, faces).pairs
     except crumple.InvalidInput as error:

@@ -105,7 +105,7 @@ def test_a_view_outlives_result_detector_and_input():
 
 
 def test_a_result_that_was_looked_at_goes_with_its_last_reference(detector):
-    """Reference counts alone do it: neither the result's views nor its meshes hold the result."""
+    """A result is freed without the garbage collector, because neither its views nor its meshes refer to it."""
     gc.disable()
     try:
         result = detector.intersections(soup(300), output="contacts")
@@ -126,7 +126,7 @@ def test_what_is_computed_once_stays(detector):
 
 
 def test_storage_is_used_again_only_when_nobody_looks(detector):
-    """A detector goes back and forth between two memories; who keeps more results makes it take new ones."""
+    """A detector alternates between the memory of two results. It allocates more if the caller keeps more results."""
     mesh, other = soup(300), soup(300, seed=2)
     expected, others = crumple.intersections(mesh).pairs.tolist(), crumple.intersections(other).pairs.tolist()
     loop, seen = None, set()
@@ -156,7 +156,7 @@ def test_a_cycle_of_mesh_and_result_is_collected(detector):
 
 
 class Faces:
-    """Array-like that supports only __array__, and refers to its owner, which makes a reference cycle."""
+    """Array-like that supports only __array__, and is part of a reference cycle: it refers to the result's owner."""
 
     def __init__(self, owner):
         self.owner = owner
@@ -240,7 +240,8 @@ def test_statistics(detector):
     assert list(s.stage_milliseconds) == ["bounds", "subdivide", "align", "sort", "sweep", "narrow", "output"]
     assert 0 < s.milliseconds and all(t >= 0 for t in s.stage_milliseconds.values())
     assert f"pairs={s.pairs}" in repr(s)
-    # One thread, for which of two meets the largest leaf is chance. Uncounted results would lower the warm peaks.
+    # One thread, because with two it is chance which of them searches the largest leaf, and the peak depends on it. If
+    # results did not count, the peaks of warm calls would be lower.
     one = crumple.Detector(threads=1)
     peaks = [one.intersections(mesh).statistics.peak_memory_bytes for _ in range(4)]
     assert max(peaks) - min(peaks) < 4 * s.pairs, "the result counts in cold and warm calls"

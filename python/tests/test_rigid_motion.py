@@ -1,4 +1,4 @@
-"""Rigid motions in pieces."""
+"""Tests of rigid motions that are cut into pieces."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ def turn(angle, origin=(0, 0, 0)):
 
 
 def test_pieces_find_what_straight_ways_miss(either):
-    """A bar that makes half a turn passes a pole at its side; straight ways lead through its middle instead."""
+    """A bar that makes half a turn hits a pole beside it. In one straight step its vertices move through its middle."""
     bar = np.array([[-2, 0, -0.1], [2, 0, -0.1], [2, 0, 0.1]])
     pole = np.array([[0, 1.5, -1], [0, 1.5, 1], [0.01, 1.6, 1]])
     faces = np.array([[0, 1, 2]])

@@ -1,4 +1,4 @@
-"""Results delivered in blocks: all blocks together are the whole result."""
+"""Tests of results that are delivered in blocks: all blocks together are the whole result."""
 
 import threading
 

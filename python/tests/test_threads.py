@@ -1,4 +1,4 @@
-"""Calls release the GIL, detectors run in parallel, calls of one detector run in turn, and Ctrl-C ends them."""
+"""Tests that calls release the GIL, detectors run in parallel, calls of one detector wait, and Ctrl-C ends a call."""
 
 import signal
 import subprocess
@@ -16,7 +16,7 @@ from conftest import soup
 
 
 def test_other_threads_run_meanwhile():
-    """With the GIL held, the counting thread would stand still while brute force is at work."""
+    """If the call held the GIL, the counting thread would stop during the search, which is by brute force."""
     mesh, detector = soup(3000, size=0.3), crumple.Detector(backend="reference")
     inside, ticks = threading.Event(), []
 
@@ -40,7 +40,7 @@ def test_other_threads_run_meanwhile():
 
 
 def test_two_detectors_at_once():
-    """Both are inside the library at one time: each takes as long as the other and their times overlap."""
+    """Both are inside the library at the same time: their searches overlap for more than half of the shorter one."""
     mesh = soup(1500, size=0.3)
     spans = []
 
@@ -86,12 +86,12 @@ def test_one_detector_and_many_threads(detector):
 
 
 def test_cancel_ends_the_call_of_another_thread():
-    mesh, detector = soup(20_000, size=0.3), crumple.Detector(backend="reference")  # minutes
+    mesh, detector = soup(20_000, size=0.3), crumple.Detector(backend="reference")  # the search would take minutes
     detector.cancel()
     assert detector.any(mesh), "there was nothing to cancel"
     with ThreadPoolExecutor(1) as pool:
         call = pool.submit(detector.intersections, mesh)
-        while not call.done():  # a request that comes before the call does nothing
+        while not call.done():  # a cancel() before the call begins has no effect
             detector.cancel()
             time.sleep(0.01)
     with pytest.raises(crumple.Error, match="cancel") as caught:
@@ -173,7 +173,7 @@ def test_interrupt_cuts_a_call_short(options, triangles, size):
 
 
 def test_interrupt_while_another_thread_has_its_turn():
-    """Waiting ends at once; the other thread's call goes on."""
+    """The interrupt ends the wait of the main thread at once; the other thread's call continues."""
     program = """
         import signal, threading, time, crumple
         signal.signal(signal.SIGINT, signal.default_int_handler)

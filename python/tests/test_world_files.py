@@ -1,4 +1,4 @@
-"""Worlds of glTF files and of trimesh, files of poses, and files and pictures of results."""
+"""Tests of worlds from glTF files and from trimesh, files of poses, and files and pictures of results."""
 
 import warnings
 
@@ -19,7 +19,7 @@ def at(place):
 
 
 def scene():
-    """Two instances of one ball that meet, a third that is far, and a box."""
+    """Returns a trimesh.Scene of three instances of one ball, two of which meet, and a box."""
     trimesh = peer("trimesh")
     result = trimesh.Scene()
     ball, box = trimesh.creation.icosphere(subdivisions=1), trimesh.creation.box()
@@ -34,7 +34,7 @@ def scene():
 
 
 def expected_hits(detector, meshes):
-    """Returns the pairs of names whose meshes, already in place, collide: searches each pair alone."""
+    """Returns the pairs of names whose meshes collide. The meshes are posed; each pair is searched alone."""
     names = list(meshes)
     return {(a, b) for i, a in enumerate(names) for b in names[i + 1 :] if detector.any([meshes[a], meshes[b]])}
 

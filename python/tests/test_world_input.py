@@ -1,4 +1,4 @@
-"""Tests of the input of worlds: errors name the argument and the body; names, exclusions, shapes cached by name."""
+"""Tests of input of worlds: errors that name argument and body, names, excluded pairs, and shapes cached by name."""
 
 import numpy as np
 import pytest
@@ -348,7 +348,7 @@ def test_bodies_of_points_alone_are_refused_where_a_pair_is_wanted(detector):
 
 
 def test_names_are_of_a_process_and_numbers_no_strings(detector):
-    """The name "5" and the name 5 are two."""
+    """The name "5" and the name 5 are different names."""
     detector.intersections(crumple.World([crumple.Shape(MESH, name="5")]))
     assert detector.intersections(crumple.World([crumple.Shape(soup(21, size=0.5), name=5)])) is not None
 

@@ -1,4 +1,4 @@
-"""Worlds and their results as plain values: pickled and copied, whole or not at all."""
+"""Tests of worlds and their results as plain values: they can be pickled and copied; inconsistent pickles fail."""
 
 import copy
 import pickle
@@ -51,7 +51,7 @@ QUERIES += [{"index": True}, {"output": "contacts", "index": True, "copy": True}
 
 
 def arrays_of(result):
-    """All that it has, what was not requested included."""
+    """Returns all arrays of a result, including those that were not requested."""
     return {name: getattr(result._found, name).tolist() for name in ARRAYS}
 
 
@@ -131,7 +131,7 @@ def test_a_result_needs_its_world(detector):
 
 
 class Reduced:
-    """Is pickled as a call of a function, as shapes and worlds of version 0.2 are."""
+    """Object that is pickled as a call of a function, like the shapes and worlds of version 0.2."""
 
     def __init__(self, *call):
         self.call = call

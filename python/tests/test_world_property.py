@@ -1,4 +1,4 @@
-"""Random worlds, found by hypothesis, against brute force in rational arithmetic."""
+"""Tests of random worlds, which hypothesis generates, against brute force in rational arithmetic."""
 
 import dataclasses
 
@@ -13,7 +13,7 @@ WARM = crumple.Detector(threads=2, leaf_size=4)
 REFERENCE = crumple.Detector(backend="reference")
 ARRAYS = ("bodies", "pairs", "world_hit", "world_counts", "world_offsets", "body_offsets", "first_triangle", "hit")
 
-# A small grid makes triangles touch, overlap and degenerate exactly, and poses of whole numbers keep them there.
+# On a small grid, triangles often touch, overlap or are degenerate exactly. Integer poses keep vertices on the grid.
 grid = st.integers(-2, 2).map(float)
 
 
@@ -69,7 +69,7 @@ def test_brute_force_agrees(columns, question, excluded, named):
     question["filter"] = dataclasses.replace(question["filter"], excluded_bodies=excluded)
     world = crumple.World(given_shapes, **columns)
     expected = REFERENCE.intersections(world, output="contacts", index=True, **question)
-    # Another name each time: hypothesis goes on to other shapes.
+    # Each example needs new names, because hypothesis generates new shapes.
     made = [crumple.Shape(*shape, name=f"{id(columns)} {i}" if named else None) for i, shape in enumerate(given_shapes)]
     world = crumple.World(made, **columns)
     detector = crumple.Detector(threads=1) if named else WARM

@@ -1,4 +1,4 @@
-"""Searches of worlds release the GIL, share worlds between threads, and end at Ctrl-C."""
+"""Tests that searches of worlds release the GIL, can share worlds between threads, and end at Ctrl-C."""
 
 import threading
 import time
@@ -24,7 +24,7 @@ from worlds import random_poses
     ],
 )
 def test_interrupt_cuts_a_call_short(options, output, name, count):
-    """Many configurations of two balls one within the other: boxes overlap, nothing collides."""
+    """In each of many configurations, one ball is inside another: their boxes overlap, but nothing collides."""
     program = f"""
         import signal, crumple
         import numpy as np
@@ -66,7 +66,7 @@ def test_cancel_ends_the_call_of_another_thread():
 
 
 def test_threads_share_worlds_and_detectors():
-    """Each call searches with its own poses, copied or not, whatever other threads do to the world meanwhile."""
+    """Each call searches with the poses it was given, even if other threads change the poses of the world meanwhile."""
     random = np.random.default_rng(1)
     world = crumple.World([crumple.Shape(soup(40, size=0.5), name="shared")], [0, 0, 0], self_collisions=False)
     placed = random_poses(random, 8 * 3, 0.5).reshape(8, 3, 3, 4)
@@ -88,7 +88,7 @@ def test_threads_share_worlds_and_detectors():
 
 
 def test_poses_that_are_replaced_meanwhile_stay_until_the_call_ends():
-    """Poses that were freed too early would change the results or crash the process."""
+    """If poses were freed during a call, the result would change or the process crash."""
     base = crumple.World([soup(60, size=0.5)], [0], worlds=[0], self_collisions=True)
     poses = random_poses(np.random.default_rng(2), 500, 9).reshape(500, 1, 3, 4)
     many, detector = base.configurations(poses.copy()), crumple.Detector(threads=1)

@@ -1,4 +1,4 @@
-"""Worlds of bodies: the same results as brute force, as searches of one mesh and two, and as a loop over worlds."""
+"""Tests that worlds have the same results as brute force, searches of one or two meshes, and a loop over worlds."""
 
 import gc
 
@@ -103,7 +103,7 @@ def test_configurations_are_a_loop(named, detector):
         one = detector.intersections(
             base.at(np.concatenate([moved, base.poses[3:]])), filter=crumple.PairFilter(excluded_bodies=excluded)
         )
-        resting = (one.bodies >= 3).all(axis=1)  # pairs of static bodies come once, after all configurations
+        resting = (one.bodies >= 3).all(axis=1)  # pairs of static bodies are listed once, at the end
         rows = slice(every.world_offsets[c], every.world_offsets[c + 1])
         np.testing.assert_array_equal(many.originals[every.bodies[rows]], one.bodies[~resting])
         np.testing.assert_array_equal(every.pairs[rows], one.pairs[~resting])
@@ -135,12 +135,12 @@ def test_configurations_get_other_poses(detector):
 
 
 def square(poses):
-    """The same as (..., 4, 4)."""
+    """Returns the same poses as (..., 4, 4)."""
     return np.concatenate([poses, np.broadcast_to([0, 0, 0, 1.0], (*poses.shape[:-2], 1, 4))], axis=-2)
 
 
 class Dlpack:
-    """An array of which one sees nothing but DLPack."""
+    """Array that can be read only through DLPack."""
 
     def __init__(self, array):
         self.array = array
@@ -191,7 +191,7 @@ def test_single_precision_and_integers_are_poses(detector):
 
 
 def test_poses_are_read_where_they_lie(detector):
-    """A search sees what was written since the last one."""
+    """A search uses the poses that were written into the array since the previous search."""
     world = crumple.World([soup(30, size=0.5)], [0, 0], self_collisions=False)
     poses = np.tile(np.eye(3, 4), (2, 1, 1))
     world.poses = poses

@@ -1,4 +1,4 @@
-"""Small random worlds, for the tests of worlds."""
+"""Small random worlds, for tests of worlds."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Columns(NamedTuple):
 
 
 def rotation(random) -> np.ndarray:
-    """(3, 3), about a random axis by a random angle."""
+    """Returns a (3, 3) rotation about a random axis by a random angle."""
     q = random.normal(size=4)
     a, b, c, d = q / np.linalg.norm(q)
     return np.array(
@@ -44,7 +44,7 @@ def rotation(random) -> np.ndarray:
 
 
 def random_poses(random, count, spread=1.5) -> np.ndarray:
-    """(count, 3, 4) float64: rotations, and shifts within a cube."""
+    """Returns (count, 3, 4) float64 poses: random rotations, and translations within a cube of side `spread`."""
     poses = np.empty((count, 3, 4))
     for pose in poses:
         pose[:, :3], pose[:, 3] = rotation(random), spread * random.random(3)

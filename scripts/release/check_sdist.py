@@ -15,7 +15,7 @@ LARGEST = 2_000_000  # bytes
 
 
 def tracked(checkout: Path) -> list[str]:
-    """Returns the files of these folders that git tracks."""
+    """Returns the files in FOLDERS that git tracks, except those in LEFT_OUT."""
     command = ["git", "-C", str(checkout), "ls-files", *sorted(FOLDERS)]
     names = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
     return [name for name in names if not name.startswith(LEFT_OUT) and (checkout / name).exists()]

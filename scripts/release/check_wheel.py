@@ -11,8 +11,8 @@ import zipfile
 from pathlib import Path
 
 LARGEST = 6_000_000  # bytes
-NEWEST = (2, 34)  # glibc
-# Unwanted libraries: cryptography, which other libraries pull in and which needs security updates of its own.
+NEWEST = (2, 34)  # version of glibc that a wheel may need
+# Cryptographic libraries, which other libraries may pull in. A wheel that contains one would need security updates.
 UNWANTED = ("libcrypto", "libssl", "libgnutls", "libmbedcrypto")
 
 

@@ -7,8 +7,8 @@ numbers='s/^#define CRUMPLE_VERSION_(MAJOR|MINOR|PATCH) ([0-9]+)$/\2/p'
 suffix=$(sed -nE 's/^#define CRUMPLE_VERSION_SUFFIX "(.*)"$/\1/p' "$top/include/crumple/version.h")
 version=$(sed -nE "$numbers" "$top/include/crumple/version.h" | paste -sd.)$suffix
 deb_version=${version%"$suffix"}${suffix/./\~}
-interface=$(sed -nE "$numbers" "$top/include/crumple/version.h" | head -n 2 | paste -sd.)  # as in names of shared libraries
-numpy=$work/numpy  # wheels of NumPy, for installations without an index
+interface=$(sed -nE "$numbers" "$top/include/crumple/version.h" | head -n 2 | paste -sd.)  # MAJOR.MINOR
+numpy=$work/numpy  # folder of NumPy's wheels, for installations without a package index
 
 step() { printf "\n== %s (%s)\n" "$1" "$(date +%T)"; }
 fail() { echo "release: $1" >&2; exit 1; }

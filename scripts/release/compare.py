@@ -1,10 +1,10 @@
-"""Compares a release's wheel with a local build, taking turns: the times of `import crumple` and of searches.
+"""Compares the speed of a release's wheel with that of a local build: times of `import crumple` and of searches.
 
     python3 scripts/release/compare.py PYTHON_WITH_WHEEL PYTHON_WITH_LOCAL_BUILD [ROUNDS]
 
-Both are interpreters of environments in which crumple is installed. Prints medians, and the median of one ratio per
-round.
-Fails if importing takes 100 ms, or searches of the wheel take 5 % longer.
+Both arguments are interpreters of environments: the wheel is installed in one, the local build in the other. Each round
+measures both. Prints the medians of all rounds and, for each search, the median of the rounds' ratios (wheel / local
+build). Fails if importing the wheel takes 100 ms or more, or if a search of the wheel takes over 5 % longer.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Excerpts from Debian's copyright files about some files only: Boost's has 1,500 groups, in 2 MB.
+"""Shortens a Debian package's copyright file to the paragraphs about given files. Boost's file has 2 MB.
 
 https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 """
@@ -15,11 +15,11 @@ def field(paragraph: str, name: str) -> str:
 
 
 def concerning(text: str, files: Iterable[str]) -> str:
-    """Returns the paragraphs about these files, named as in the source, and the licences that these paragraphs name."""
+    """Returns the head, the paragraphs about `files` (paths in the source package), and the licences that they name."""
     head, *paragraphs = re.split(r"\n\s*\n(?=\S)", text.strip())
     head = re.sub(r"^Files-Excluded:.*(?:\n[ \t].*)*\n?", "", head, flags=re.M)
     groups = [(paragraph, field(paragraph, "Files").split()) for paragraph in paragraphs]
-    # The last match counts. Most patterns are plain names.
+    # If several patterns match a file, the last one applies. Most patterns have no wildcards: a dictionary finds them.
     last = {pattern: i for i, (_, patterns) in enumerate(groups) for pattern in patterns}
     wild = [(re.compile(translate(pattern)), i) for pattern, i in last.items() if re.search(r"[*?]", pattern)]
     kept = set()

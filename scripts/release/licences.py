@@ -15,9 +15,10 @@ from pathlib import Path
 from debian_copyright import concerning
 
 INCLUDE = Path("/usr/include")
-LONG = 100_000  # characters; of a longer text about headers only, paragraphs about other files are left out
+LONG = 100_000  # characters; if only headers of a package are used, a longer text is shortened to paragraphs about them
 
-# Packages of every system that programs may use freely, by exceptions in their licences: glibc and GCC's libraries.
+# Packages whose licences are not printed: libraries and headers of glibc, GCC and Linux, which every system has and
+# which programs may use freely by exceptions in their licences.
 SYSTEM = ("libc6", "libgcc", "libstdc++", "gcc-", "linux-libc-dev", "libcrypt-dev")
 
 
@@ -26,16 +27,16 @@ def output(*command) -> str:
 
 
 def headers(build: Path) -> set[Path]:
-    """Returns all files outside of the project that, according to Ninja, a compiler has read."""
+    """Returns the files outside of the project that compilers have read, by Ninja's record, but not Python's headers."""
     source = next(
         Path(line.split("=", 1)[1])
         for line in (build / "CMakeCache.txt").read_text().splitlines()
         if line.startswith("CMAKE_HOME_DIRECTORY:")
     )
     lines = output("ninja", "-C", str(build), "-t", "deps").splitlines()
-    read = {(build / line.strip()).resolve() for line in lines if line[:1] == " "}  # other lines are targets
-    read = {path for path in read if not re.search(r"/include/python3\.\d+/", str(path))}  # the interpreter's own
-    sites = {path for path in read if "site-packages" in path.parts}  # they may lie within the project's folder
+    read = {(build / line.strip()).resolve() for line in lines if line[:1] == " "}  # unindented lines name targets
+    read = {path for path in read if not re.search(r"/include/python3\.\d+/", str(path))}  # Python's own headers
+    sites = {path for path in read if "site-packages" in path.parts}  # may lie within the project's folder
     return sites | {path for path in read if not path.is_relative_to(source.resolve())}
 
 
@@ -75,7 +76,10 @@ def distribution(path: Path) -> Path | None:
 
 
 def embedded(path: Path) -> tuple[str, str] | None:
-    """Returns NAME and the first comment of a header that a package bundles from another one in ext/NAME, else None."""
+    """Returns (NAME, first comment) of a header in ext/NAME, where a PyPI package bundles another project; else None.
+
+    The first comment of such a header contains its licence.
+    """
     if "site-packages" not in path.parts or "ext" not in path.parts:
         return None
     comment = re.match(r"\s*/\*(.*?)\*/", path.read_text(), re.S)
@@ -89,8 +93,8 @@ def toolkit(path: Path) -> Path | None:
 
 
 def toolkit_licence(folder: Path) -> str:
-    """Returns the toolkit's licence. NVIDIA's installer has one text; its PyPI packages have one each, of which those
-    of the runtime and the headers apply."""
+    """Returns the toolkit's licence. NVIDIA's installer has one text for everything; its PyPI packages have one each,
+    of which those of the CUDA runtime and of CCCL (headers) apply."""
     files = [folder / "EULA.txt"]
     for part in ("cuda_runtime", "cuda_cccl"):
         files += sorted(folder.glob(f"dist-info/nvidia_{part}-*/licenses/*"))
@@ -102,7 +106,7 @@ def is_licence(path: Path) -> bool:
 
 
 def texts(paths: set[Path]) -> dict[str, str]:
-    """Returns name and licence of each package that one of the files belongs to."""
+    """Maps the name of each package that one of the files belongs to, to its licence. Exits if a licence is unknown."""
     found, strangers = {}, []
     of_package: dict[str, list[Path]] = {}
     for path in sorted(paths):
@@ -134,7 +138,7 @@ def texts(paths: set[Path]) -> dict[str, str]:
 
 def third_party_licences(build: Path, elves: list[Path]) -> str:
     paths = headers(build).union(*map(libraries, elves))
-    # Packages of one source, such as libfmt9 and libfmt-dev, share one text.
+    # Prints equal texts once: packages made from one source, such as libfmt9 and libfmt-dev, share one text.
     names: dict[str, list[str]] = {}
     for name, text in texts(paths).items():
         names.setdefault(text.strip(), []).append(name)

@@ -1,5 +1,5 @@
-"""Tests an installed wheel in its environment: the program of docs/python.md, given as argument, the command line, and
-errors that C++ throws.
+"""Tests an installed wheel, by the interpreter of its environment: runs the program of docs/python.md, whose path is
+the argument, and the command line, and checks that errors of C++ become Python exceptions.
 """
 
 import re

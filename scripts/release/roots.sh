@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# Installs the content of dist/ on bare Debian without a compiler, and runs it: on Debian 12 a wheel and the package,
-# with its dependencies, and finally, with a compiler, a project that finds the package; on Debian 13 the wheel of the
-# stable ABI. Needs root and debootstrap; $MIRROR is Debian's mirror. If $PREVIOUS_DEB is the path
-# of the package of the release before, installs it first and tests the upgrade. Works in a temporary folder.
+# Installs the content of dist/ in root file systems of bare Debian, without a compiler, and runs it. On Debian 12: a wheel, and
+# the Debian package with its dependencies; then installs a compiler and builds a project that finds the package. On Debian 13:
+# the wheel of the stable ABI. Needs root and debootstrap; $MIRROR is Debian's mirror. If $PREVIOUS_DEB is the path of the
+# previous release's Debian package, installs that first and tests the upgrade. Works in a temporary folder.
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
 mirror=${MIRROR:-http://deb.debian.org/debian}
-# /proc of a root is mounted below. In a mount namespace of its own it disappears with this process in any case.
+# Restarts this script in a mount namespace of its own, so that the /proc file systems that it mounts below disappear even if it
+# is killed.
 [[ ${CRUMPLE_ROOTS_APART-} ]] || CRUMPLE_ROOTS_APART=1 exec unshare --mount --propagation private "$0" "$@"
 
 folder=$(mktemp -d)
@@ -27,7 +28,7 @@ no_compiler() {
     done
 }
 
-# bare SUITE: makes a root with Python only, and copies dist/ and the tests into it.
+# bare SUITE: makes a root file system with Python only, and copies dist/ and the tests into it.
 bare() {
     suite=$1 root=$folder/$1
     step "bare Debian, $suite"
@@ -53,13 +54,13 @@ wheel() {
     no_compiler
 }
 
-# Installs the package of the release before, $PREVIOUS_DEB, for the new one to upgrade.
+# Installs the Debian package of the previous release, $PREVIOUS_DEB, which the new one then upgrades.
 previous() {
     cp "$PREVIOUS_DEB" "$root/root/previous.deb"
     quietly "$work/$suite-apt.log" in_root apt-get -qq install --no-install-recommends -y /root/previous.deb
     in_root sh -ec 'crumple --version; dpkg --listfiles crumple | sort >/root/previous.txt'
 }
-# Fails if files of the release before are left that are not in the new one.
+# Fails if the upgrade has left files of the previous package behind that the new one does not contain.
 upgraded() {
     in_root sh -ec 'dpkg --listfiles crumple | sort >/root/new.txt
         comm -23 /root/previous.txt /root/new.txt | while read -r file; do test ! -f "$file" || { echo "left: $file"; exit 1; }; done
@@ -67,7 +68,7 @@ upgraded() {
             "$(comm -23 /root/previous.txt /root/new.txt | wc -l) went, $(comm -13 /root/previous.txt /root/new.txt | wc -l) are new"'
 }
 
-# package: tests the package alone, then building a project with it.
+# package: tests the Debian package without a compiler, then installs one and builds a project that uses the package.
 package() {
     in_root apt-get -qq update
     [[ ! ${PREVIOUS_DEB-} ]] || previous

@@ -9,7 +9,7 @@ cd "$top"
 program='import sys; from scikit_build_core.build import build_sdist; build_sdist(sys.argv[1])'
 said=$("$1" -W ignore -c "$program" "$out" 2>&1) || { echo "$said" >&2; exit 1; }
 "$1" "$here/check_sdist.py" "$out/crumple-$version.tar.gz" "$version" "$top"
-# Also checks that CMake can configure it, which needs every compiled file. Wheels are built from it, too.
+# Checks that CMake can configure the unpacked sdist, which fails if a source file is missing.
 unpacked=$(mktemp -d)
 trap 'rm -rf "$unpacked"' EXIT
 tar xzf "$out/crumple-$version.tar.gz" -C "$unpacked" --strip-components=1

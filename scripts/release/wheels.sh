@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds wheels from the sdist in dist/, and installs each in an environment without a compiler on the path:
-#   scripts/release/wheels.sh PYTHON...         a wheel each for 3.10 and 3.11, one of the stable ABI for 3.12 and later
-#   scripts/release/wheels.sh --cuda PYTHON...  the same with the cuda backend, named by the major version of CUDA
-# CRUMPLE_CUDA_ARCHITECTURES (CMake's CMAKE_CUDA_ARCHITECTURES) limits the devices, for quick trials.
+#   scripts/release/wheels.sh PYTHON...         one wheel for each of 3.10 and 3.11, one of the stable ABI for all later ones
+#   scripts/release/wheels.sh --cuda PYTHON...  the same with the cuda backend, as crumple-cudaN for version N of CUDA
+# CRUMPLE_CUDA_ARCHITECTURES (CMake's CMAKE_CUDA_ARCHITECTURES) limits the supported devices, for faster trial builds.
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
 name=crumple backend=()
@@ -14,14 +14,15 @@ if [[ ${1-} == --cuda ]]; then
     [[ -z ${CRUMPLE_CUDA_ARCHITECTURES-} ]] ||
         backend+=(--config-settings=cmake.define.CMAKE_CUDA_ARCHITECTURES="$CRUMPLE_CUDA_ARCHITECTURES")
 fi
-# Builds for every machine, not for this one. SIMD kernels are chosen at run time.
+# Ignores compiler flags of the environment, which could limit the wheels to machines like this one. SIMD kernels are chosen
+# at run time.
 unset CFLAGS CXXFLAGS CPPFLAGS CUDAFLAGS LDFLAGS
 if command -v ccache >/dev/null; then
     cd "$top"
     . scripts/ccache.sh
 fi
 
-# Unpacks the sdist into $work/$name, where wheels are built, so that they contain nothing else.
+# Unpacks the sdist into $work/$name. Wheels are built there, so that they contain only files of the sdist.
 unpack() {
     rm -rf "${work:?}/$name"
     mkdir -p "$work/$name" "$numpy"
@@ -53,7 +54,7 @@ try() {
         "$top/docs/python.md"
     [[ $(uname -m) != x86_64 ]] || try_baseline "$environment"
 }
-# Checks that the command line writes the same bytes on an emulated processor with baseline instructions only.
+# Checks that the command line writes the same bytes on an emulated x86-64 processor without SSE4 and AVX.
 try_baseline() {
     local program folder
     if ! command -v qemu-x86_64-static >/dev/null; then

@@ -16,7 +16,7 @@ namespace crumple::io {
 
 TriangleMesh read_ply(const Source& source, const ReadOptions& options, Warnings& warnings);
 TriangleMesh read_obj(const Source& source, const ReadOptions& options, Warnings& warnings);
-/// Returns three vertices per triangle, not welded.
+/// Reads an STL file. Returns three vertices per triangle, not welded.
 TriangleMesh read_stl(const Source& source, const ReadOptions& options, Warnings& warnings);
 TriangleMesh read_off(const Source& source, const ReadOptions& options, Warnings& warnings);
 
@@ -72,7 +72,7 @@ void for_each_face(const TriangleMesh& mesh, bool polygons, F f) {
     }
 }
 
-/// Throws Error unless both meshes are valid and the collisions are theirs. `second` may be null.
+/// Throws Error unless both meshes are valid and the collisions are those of these meshes. `second` may be null.
 void check_collisions(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions);
 
 /// Joins both meshes into one, after the checks of check_collisions().
@@ -121,7 +121,7 @@ std::string extension_of(const std::filesystem::path& path);
 /// Return the format of an extension (lower case, with its dot); `automatic` if it is that of no format.
 MeshFormat mesh_format_of(std::string_view extension);
 PairFormat pair_format_of(std::string_view extension);
-/// True if meshes, or coloured meshes, can be written in this format.
+/// True if meshes (holds_meshes) or coloured meshes (has_colours) can be written in this format.
 bool holds_meshes(MeshFormat format);
 bool has_colours(MeshFormat format);
 /// Throw Error (invalid_argument) unless coloured meshes can be written in this format, to a path or to a stream.
@@ -131,7 +131,8 @@ void check_has_colours(MeshFormat format);
 /// Throws Error unless the arrays have the right sizes, indices are in range and coordinates finite.
 void validate(const TriangleMesh& mesh);
 
-/// Calls f with a zero of type float or double; f must return a mesh with this scalar type.
+/// Calls f with a zero of the scalar type that the mesh is to have: float or double, the type of the file unless another
+/// is requested. f must return a mesh with this scalar type.
 template <class F>
 TriangleMesh in_precision(Precision asked, ScalarType of_file, F&& f) {
     const bool single = asked == Precision::automatic ? of_file == ScalarType::float32 : asked == Precision::float32;

@@ -1,5 +1,5 @@
-// Reads meshes and worlds: detects the format, by content first and by extension second, and does what all formats have
-// in common.
+// Reads meshes and worlds: detects the format, by content first and by extension second, calls its reader, and does
+// the steps that all formats share (archives, poses, limits, units).
 
 #include <algorithm>
 #include <cctype>
@@ -59,14 +59,16 @@ TriangleMesh read(const Source& source, Format format, const ReadOptions& option
     }
 }
 
-/// True if every other one of the first four bytes is zero, or if the text begins with the byte order mark of UTF-16.
+/// True if the text begins with the byte order mark of UTF-16, or if exactly every second one of the first four bytes is
+/// zero, as in ASCII text stored as UTF-16.
 bool is_utf16(std::string_view text) {
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return true;
     const auto is_zero = [&](std::size_t i) { return text[i] == 0; };
     return text.size() >= 4 && is_zero(0) != is_zero(1) && is_zero(0) == is_zero(2) && is_zero(1) == is_zero(3);
 }
 
-/// Throws Error (format) for content about which no reader could give a helpful message.
+/// Throws Error (format) with a helpful message for content that no reader recognises: an empty file, a pointer of Git
+/// LFS, or UTF-16.
 void check_content(const Source& source) {
     const auto fail = [&](const char* what) { source.fail_at_byte(source.begin(), what); };
     if (source.text().find_first_not_of(" \t\r\n") == source.text().npos) fail("the file is empty");
@@ -77,11 +79,11 @@ void check_content(const Source& source) {
 
 bool names_mesh(const std::string& entry) {
     const std::string extension = extension_of(without_gzip_name(entry).string());
-    if (entry.starts_with("__MACOSX/")) return false;  // attributes of a file of the same name
+    if (entry.starts_with("__MACOSX/")) return false;  // macOS stores metadata of files there, under the files' own names
     return extension == ".glb" || extension == ".gltf" || holds_meshes(mesh_format_of(extension));
 }
 
-/// File, and the folder of other files that it may name; none for a stream or an archive entry.
+/// File, and the folder in which other files that it refers to are found; no folder for a stream or an archive entry.
 struct File {
     Source source;
     std::optional<std::filesystem::path> folder;
@@ -188,7 +190,7 @@ TriangleMesh read_posed(const File& file, const ReadOptions& options) {
     const bool in_place = world.bodies.size() == 1 && world.bodies[0].pose == Pose{};
     try {
         TriangleMesh mesh = in_place ? std::move(world.shapes.at(0)) : posed_mesh(world);
-        mesh.groups.clear();  // numbers of the bodies
+        mesh.groups.clear();  // posed_mesh() sets them to the indices of bodies
         mesh.warnings = std::move(world.warnings);
         const auto is_finite = [](const auto& xyz) {
             return std::all_of(xyz.begin(), xyz.end(), [](auto x) { return std::isfinite(x); });

@@ -1,4 +1,4 @@
-// Writes meshes and worlds: chooses the format by extension, and validates them before a byte is written.
+// Writes meshes and worlds: chooses the format by extension, and validates meshes and worlds before it writes a byte.
 
 #include <algorithm>
 #include <cctype>

@@ -17,9 +17,9 @@ using test::backend_name;
 using test::same_pairs;
 namespace fs = std::filesystem;
 
-/// One line of a ground-truth file: a pair, the number of distinct vertices that both triangles use (`shared`), of
-/// extreme points of their intersection (`points`), and 1 if an edge of one strictly crosses the interior of the other
-/// (`strict`).
+/// One line of a ground-truth file: an intersecting pair of triangles, the number of distinct vertices that both use
+/// (`shared`), the number of extreme points of their intersection (`points`), and 1 if an edge of one triangle strictly
+/// crosses the interior of the other (`strict`). The tests do not use `degenerate`.
 struct Line {
     Pair pair;
     int shared, degenerate, points, strict;
@@ -112,7 +112,8 @@ struct SelfCase {
 /// Names tests by their ground-truth files.
 const auto name_of = [](const auto& info) { return test::test_name(info.param.truth_file); };
 
-/// Returns both precisions if the ground truth holds in either.
+/// Returns the only precision in which the ground truth holds, or both precisions if it does not depend on the
+/// precision.
 std::vector<Precision> precisions(const SelfCase& scene) {
     if (scene.precision != Precision::automatic) return {scene.precision};
     return {Precision::float32, Precision::float64};
@@ -154,7 +155,7 @@ TEST_P(SelfTruth, brute_force_matches_tested_backend) {
     EXPECT_TRUE(same_pairs(reference.find(mesh.view()).pairs.span(), found.pairs.span()));
 }
 
-// Takes other numbers of parts for each scene; together the scenes cover 1 to 64.
+// Uses two numbers of parts for each scene; the numbers of all scenes together cover 1 to 64.
 TEST_P(SelfTruth, union_of_parts_equals_whole_result) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh =

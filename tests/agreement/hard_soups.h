@@ -96,7 +96,7 @@ inline SoupBuilder stacked_sheets(int n, const std::vector<std::array<double, 3>
     return soup;
 }
 
-/// A strip that turns back at every crease and lies flat on itself.
+/// A strip of quads with creases between them, folded back at every crease, so that all quads lie in one plane.
 inline SoupBuilder folded_strip(int folds) {
     SoupBuilder soup(1);
     std::int32_t a = soup.vertex(0, 0, 0), b = soup.vertex(0, 4, 0);
@@ -190,7 +190,8 @@ inline SoupBuilder needle_soup(int triangles) {
     return soup;
 }
 
-/// Copies of one face, by index and by position, in every order of corners.
+/// Copies of one face: some use the same vertices, others have vertices of their own at the same positions. The order
+/// of corners is random.
 inline SoupBuilder duplicates(int copies) {
     SoupBuilder soup(11);
     std::array<std::int32_t, 3> id{};
@@ -202,8 +203,8 @@ inline SoupBuilder duplicates(int copies) {
     return soup;
 }
 
-/// A grid soup padded with copies of points and segments (degenerate triangles) between its vertices, in every order of
-/// corners.
+/// A grid soup and, after its triangles, `copies` copies of each of six degenerate triangles, points and segments,
+/// whose corners are vertices of the grid soup in every order.
 inline SoupBuilder padded_soup(int copies) {
     SoupBuilder soup = grid_soup(4, 40, 50, 6);
     const auto any_vertex = [&] { return soup.random.integer(40); };

@@ -30,8 +30,8 @@ namespace {
 const tbb::global_control sixteen_threads(tbb::global_control::max_allowed_parallelism, 16);
 #endif
 
-// Soups first, then small scenes. A scene is made when a test first uses it: each shard is a process of its own, and
-// some scenes are simulations.
+// The meshes of the tests are the soups, followed by small procedural scenes. A scene is made when a test first uses
+// it: each shard of the tests is a process, which uses only some scenes, and simulated ones take long to make.
 const std::vector<NamedMesh>& soups() {
     static const std::vector<NamedMesh> all = hard_soups();
     return all;
@@ -56,8 +56,8 @@ const io::TriangleMesh& mesh_of(std::size_t i) {
 }
 
 const bool on_cpu = tested_backend == Backend::cpu;
-// Counts of options, queries and parts. Sanitizers are slow, and so is a device that the CPU plays: these runs use
-// fewer, since more would not find further memory errors or data races.
+// Numbers of options, queries and parts to test. They are lower under sanitizers and for a device emulated on the CPU
+// (`played`): these runs are slow, and larger numbers would find no further memory errors or data races.
 constexpr std::size_t cpu_options = sanitized ? 6 : 24;
 const std::size_t query_step = played ? (sanitized ? 4 : 3) : (sanitized ? 2 : 1);
 const std::vector<int> part_counts = sanitized ? played ? std::vector{5} : std::vector{2, 70}
@@ -71,8 +71,8 @@ struct NamedQuery {
     IntersectionQuery query;
 };
 
-/// Returns the queries that make sense for the mesh: without groups none about groups. Slow runs get a subset, which
-/// differs from scene to scene.
+/// Returns the queries to test; for a mesh without groups, none that needs groups. Slow runs get a subset, which
+/// depends on the number of triangles.
 std::vector<NamedQuery> queries(const io::TriangleMesh& mesh) {
     static const std::vector<GroupPair> excluded{{1, -1}, {0, 0}};
     std::vector<NamedQuery> all(1);
@@ -161,7 +161,7 @@ std::vector<Subject> subjects() {
     return list;
 }
 
-/// Returns a fifth of the list, another one at each turn.
+/// Returns a fifth of the list. Five successive values of `turn` give all five fifths.
 std::span<Subject> share(std::vector<Subject>& list, std::size_t turn) {
     constexpr std::size_t parts = 5;
     const std::size_t part = turn % parts, begin = part * list.size() / parts;

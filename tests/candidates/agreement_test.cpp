@@ -42,7 +42,7 @@ class CandidateAgreement : public testing::Test {
    protected:
     void expect_all(double inflation, bool weld = false) {
         SCOPED_TRACE(testing::Message() << "inflation " << inflation);
-        // Where most features overlap, a soup with few triangles tests as much.
+        // At large inflations most features overlap, so soups with a quarter of the triangles suffice.
         for (const NamedMove<Scalar>& move : soups_to_try<Scalar>(inflation > 0.1 ? 0.25 : 1, 0.5)) {
             if (inflation * move.unit > std::numeric_limits<double>::max()) continue;
             SCOPED_TRACE(move.name);

@@ -65,7 +65,7 @@ TEST_P(Candidacy, gap_may_be_twice_the_inflation_but_no_ulp_more) {
     expect_edge(0x1p52, 0x1p52 + 1, 0.5);
     expect_edge(-0x1p1023, 0x1p1023, 0x1p1023);
 }
-/// Sums that differ but round to the same number.
+/// Compares sums of coordinates and inflation that differ but round to the same float64 number.
 TEST_P(Candidacy, gaps_are_compared_without_rounding_error) {
     for (int axis = 0; axis < 3; ++axis) {
         EXPECT_TRUE(listed(1, 1 + 0x1p-52, 0x1p-53, axis));

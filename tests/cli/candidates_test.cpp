@@ -64,7 +64,7 @@ TEST_F(Candidates, groups_welding_and_statistics_apply) {
     const std::string groups = step + " --groups components --filter ";
     EXPECT_EQ(list(groups + "between"), step_candidates);
     EXPECT_EQ(list(groups + "within"), "");
-    // Two triangles that touch with a corner each: one vertex, if welded, that keeps its own ids.
+    // Two triangles that touch at vertices 0 and 3. Welding makes these one vertex of both triangles.
     write("corner.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 0\n-1 0 1\n0 -1 1\n3 0 1 2\n3 3 4 5\n");
     EXPECT_EQ(list("impacts corner.off --candidates --kinds vertex_face"), "vf 0 1\nvf 3 0\n");
     EXPECT_EQ(list("impacts corner.off --candidates --kinds vertex_face --weld"), "");

@@ -108,7 +108,7 @@ TEST_F(Impacts, groups_filter_impacts) {
 }
 
 TEST_F(Impacts, weld_merges_only_vertices_equal_at_both_times) {
-    // Vertex 3 is where vertex 0 is, at the start only; vertex 6 is so at both times, a corner of both triangles.
+    // Vertex 3 coincides with vertex 0 in start.off, but not in end.off.
     write("start.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 0\n-1 0 1\n0 -1 1\n3 0 1 2\n3 3 4 5\n");
     write("end.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 1\n-1 0 2\n0 -1 2\n3 0 1 2\n3 3 4 5\n");
     const std::string apart = list("impacts start.off end.off");
@@ -158,7 +158,8 @@ TEST_F(Impacts, need_the_same_mesh_at_both_times) {
 }
 
 TEST_F(Impacts, polygons_of_the_end_are_cut_as_at_the_start) {
-    // A square whose first corner moves inwards, so that it is concave at the end and would be cut along 0 2.
+    // A square whose first corner, vertex 0, moves inwards. So it is concave at the end, and would be cut along the
+    // diagonal from 0 to 2 if it were cut anew.
     const std::string faces = "4 1 2 3 0\n3 4 5 6\n", other_vertices = "4 0 0\n4 4 0\n0 4 0\n1 1 ";
     const std::string start = "OFF\n7 2 0\n0 0 0\n" + other_vertices + "5\n2 1 6\n1 2 6\n",
                       end = "OFF\n7 2 0\n3 3 0\n" + other_vertices + "-1\n2 1 6\n1 2 6\n";

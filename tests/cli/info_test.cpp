@@ -127,8 +127,8 @@ TEST_F(Info, weld_counts_equal_positions_once) {
 }
 
 TEST_F(Info, lists_degenerate_and_duplicated_triangles) {
-    // 0.1, 0.2, 0.3 times (1, 1, 1) are on one line as float64 numbers, 0.1, 0.2, 0.3 along x and y alone are not: 0.3
-    // is not three times 0.1 there.
+    // Vertices 5, 6 and 7 are exactly on one line, since each has three equal coordinates, although 0.3 is not exactly
+    // three times 0.1 in float64.
     write("odd.off",
           "OFF\n9 8 0\n0 0 0\n1 0 0\n0 1 0\n0 1 0\n1 0 0\n0.1 0.1 0.1\n0.2 0.2 0.2\n0.3 0.3 0.3\n0.3 0.6 0\n"
           "3 0 1 2\n"    // sound
@@ -146,7 +146,8 @@ TEST_F(Info, lists_degenerate_and_duplicated_triangles) {
 }
 
 TEST_F(Info, decides_degeneracy_exactly) {
-    // In float64, 0.1 + 0.2 > 0.3 and the points (i, 0.i) lie on no line; scaled to integers they do.
+    // In float64, 0.3 is not exactly three times 0.1, so the points of almost.off are not on one line. Multiples by
+    // powers of two are exact, so those of exactly.off are.
     write("almost.off", "OFF\n3 1 0\n1 0.1 0\n2 0.2 0\n3 0.3 0\n3 0 1 2\n");
     EXPECT_TRUE(contains(crumple("info almost.off").out, "degenerate triangles  0\n"));
     write("exactly.off", "OFF\n3 1 0\n1 1e-300 0\n2 2e-300 0\n4 4e-300 0\n3 0 1 2\n");

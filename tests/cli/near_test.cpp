@@ -7,8 +7,8 @@ namespace {
 
 using Near = Moving;
 
-// The corner of the upper triangle is 1 above the lower triangle. The squared distance of two of its edges from three
-// edges of the lower triangle is 2.
+// Row of the lowest corner of the upper triangle, which is 1 above the lower triangle. Two edges of the upper triangle
+// have the squared distance 2 from two edges of the lower triangle.
 constexpr const char* closest = "vf 3 0 1\n";
 
 TEST_F(Near, pairs_go_to_standard_output) {

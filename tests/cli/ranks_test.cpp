@@ -18,9 +18,9 @@ class Ranks : public Cli {
                                        "OMPI_MCA_rmaps_base_oversubscribe", "OMPI_MCA_mpi_yield_when_idle"})
             setenv(name, "1", 1);
         setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 1);
-        setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 1);  // if one rank fails, the others have ended too
+        setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 1);  // do not wait: all ranks end after a failure
         setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
-        setenv("OMPI_MCA_pml", "ob1", 1);             // looks for no network, which halves the start
+        setenv("OMPI_MCA_pml", "ob1", 1);             // searches no network: halves the start time
         setenv("LSAN_OPTIONS", "detect_leaks=0", 1);  // Open MPI leaks memory
         write("five.off", five_off);
     }
@@ -85,8 +85,8 @@ void add(std::string& bytes, T value, std::endian order) {
     bytes.append(its.data(), its.size());
 }
 
-/// Returns a binary PLY of three crossing sheets, each with a group of its own. `corners`: count stored for the last
-/// face.
+/// Returns a binary PLY of three crossing sheets, each with a group of its own. `corners`: the number of corners that
+/// is stored for the last face, which has three.
 std::string sheets(std::endian order, std::uint8_t corners = 3) {
     constexpr int n = 9;
     std::string bytes = std::string("ply\nformat binary_") + (order == std::endian::big ? "big" : "little") +
@@ -181,7 +181,7 @@ TEST_F(Ranks, list_near_pairs) {
     expect_same("near", "a.obj --radius 0.05");
 }
 
-// Merging equal vertices renumbers the others.
+// STL is welded: equal vertices are merged, which renumbers the others.
 TEST_F(Ranks, number_stl_vertices_like_one_process) {
     make("cloth --triangles 1000", "a.stl");
     expect_same("near", "a.stl --radius 0.02 --threads 2");

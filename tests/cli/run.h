@@ -30,12 +30,12 @@ inline std::string text_of(const fs::path& path) {
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// One line that begins with `crumple: `.
+/// True if the text is one line that begins with `crumple: `.
 inline bool is_error_line(const std::string& text) {
     return text.starts_with("crumple: ") && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
 }
 
-/// The lines of a text in ascending order, to compare lists whose order differs.
+/// Returns the lines of a text in ascending order, to compare lists whose order differs.
 inline std::string sorted_lines(const std::string& text) {
     std::istringstream in(text);
     std::vector<std::string> lines;
@@ -46,8 +46,8 @@ inline std::string sorted_lines(const std::string& text) {
     return sorted;
 }
 
-/// True if standard error is empty for a list with rows, and for an empty list is one line, "nothing ...: ..." or "no
-/// candidates: ...".
+/// True if standard output has rows and standard error is empty, or if standard output is empty and standard error is
+/// one line, "nothing ...: ..." or "no candidates: ...".
 inline bool reports_empty_list(const Outcome& outcome) {
     if (!outcome.out.empty()) return outcome.err.empty();
     return (outcome.err.starts_with("nothing ") || outcome.err.starts_with("no candidates: ")) &&

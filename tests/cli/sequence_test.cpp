@@ -89,7 +89,7 @@ TEST_F(Sequence, accepts_a_scene_instead_of_files) {
     ASSERT_EQ(rows.size(), 121u);
     EXPECT_TRUE(rows[1].starts_with("0,")) << rows[1];
     EXPECT_TRUE(rows[120].starts_with("119,")) << rows[120];
-    // The same as its files, also with groups and in another precision.
+    // A scene gives the same row as a file of its frame, also with groups and in another precision.
     EXPECT_EQ(crumple("make bodies --triangles 2000 --frame 7 -o b.ply").status, 0);
     for (const char* options : {"", " --groups group --filter between", " --groups components --filter within",
                                 " --precision float64 --weld"}) {

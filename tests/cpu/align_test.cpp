@@ -131,7 +131,7 @@ TEST(Build, boxes_and_planes_hold_their_triangles) {
     for (int i = 0; i < 3; ++i)
         frame.axis[i] = {static_cast<float>(axes.axis[i].x), static_cast<float>(axes.axis[i].y),
                          static_cast<float>(axes.axis[i].z)};
-    for (const float big : {10.0f, 0.3f}) {  // in the second case many are big
+    for (const float big : {10.0f, 0.3f}) {  // big: triangles with larger coordinates; none, then many
         frame.big = big;
         for (const test::Tables& kernels : test::kernel_tables()) {
             for (const PointRows rows : {PointRows{points.data(), nullptr}, PointRows{nullptr, points64.data()}}) {

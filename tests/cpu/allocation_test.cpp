@@ -90,7 +90,8 @@ TEST(Allocation, warm_calls_allocate_nothing) {
     if (sanitized) GTEST_SKIP() << "it counts, and other tests make the same calls";
     for (const int threads : {1, 2}) {
         for (const auto& [name, find] : calls()) {
-            // With several threads, the lists found before the first pair ends the call differ from call to call.
+            // With several threads, the lists that are filled before the first pair ends the call differ from call to
+            // call.
             if (threads > 1 && std::string_view(name) == "any") continue;
             Detector detector({.threads = threads});
             for (int frame = 0; frame < 20; ++frame) find(detector);

@@ -39,7 +39,7 @@ void expect_reference(const Soup<Scalar>& soup, const std::string& what) {
 
 TEST(Extremes, huge_triangle_in_the_plane_of_a_fine_floor_is_exact) {
     for (const bool bent : {false, true})
-        for (int more = 0; more < 4; ++more) {  // all numbers of triangles in the last group
+        for (int more = 0; more < 4; ++more) {  // the last SIMD vector has different numbers of used lanes
             Soup<float> soup;
             for (int i = 0; i < 20; ++i)
                 for (int j = 0; j < 20; ++j) {
@@ -56,7 +56,7 @@ TEST(Extremes, huge_triangle_in_the_plane_of_a_fine_floor_is_exact) {
         }
 }
 
-// A degenerate big member meets points followed by padding, which must not be reported as pairs.
+// Tests 1 to 17 points, so that the last SIMD vector has every number of unused lanes; these must not give pairs.
 TEST(Extremes, long_degenerate_triangle_meets_points_only) {
     Soup<float> a, b;
     add<float>(a, {1, 1, 1}, {0, 0, 0}, {0, 0, 0});
@@ -113,7 +113,8 @@ TEST(Extremes, triangles_far_smaller_than_the_scene_are_exact) {
         }
 }
 
-// Filters treat subnormal heights as zero, so all triangles here as flat; only the exact decision is right.
+// Filters treat subnormal heights as zero, so to them all triangles of this test are flat. Only the exact decision
+// separates the sheets.
 TEST(Extremes, sheets_that_differ_in_subnormal_heights_are_exact) {
     std::mt19937 engine(5);
     for (const float height : {1e-45f, 1e-42f, 1e-38f, 1e-36f, 1e-30f}) {

@@ -89,7 +89,7 @@ TEST(Filter, adjacent_triangles_match_brute_force) {
     }
 }
 
-// The corners of a triangle far larger than those around it are not certain in their leaf.
+// Filters cannot use the corners of a "big" triangle, one that extends far beyond the other triangles of its leaf.
 TEST(Filter, ground_under_fine_triangles_matches_brute_force) {
     Soup<float> soup = test::random_soup(300, 0.05, 12);
     for (auto& p : soup.vertices) p[2] = (p[2] - 0.5f) * 0.05f;

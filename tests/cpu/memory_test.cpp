@@ -81,7 +81,7 @@ TEST(MemoryLimit, leftovers_of_earlier_calls_are_dropped_before_a_call_fails) {
     }
 }
 
-/// Copies of one triangle, by index or by position.
+/// Returns copies of one triangle, which either all use the same three vertices or have equal vertices of their own.
 test::Soup<float> stack(std::int32_t count, bool by_index) {
     test::Soup<float> soup;
     for (std::int32_t i = 0; i < count; ++i) {
@@ -129,7 +129,8 @@ TEST(MemoryLimit, counting_ends_when_pairs_alone_exceed_the_limit) {
     }
 }
 
-// If pairs cannot be stored while they are found, a first pass counts them; if they fit, chunks follow.
+// If the limit does not suffice for storing pairs while they are found, the call searches in chunks (one cluster after
+// another), once to count the pairs and once to store them.
 TEST(MemoryLimit, pairs_that_fit_only_in_chunks_are_found) {
     const auto soup = test::random_soup(3000, 0.7);
     Detector free;
@@ -146,7 +147,7 @@ TEST(MemoryLimit, pairs_that_fit_only_in_chunks_are_found) {
     }
 }
 
-// Memory that earlier calls have left neither makes a call fail nor counts as needed.
+// Memory that the detector caches from earlier calls is not counted in the number of bytes that an error names.
 TEST(MemoryLimit, needed_bytes_exclude_leftovers_of_earlier_calls) {
     const auto small = test::wavy_sheet(60), large = test::wavy_sheet(80);
     const auto soup = stack(60000, true);

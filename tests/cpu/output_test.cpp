@@ -1,4 +1,5 @@
-// Test of stage `output` with buckets of first triangles larger than in ordinary scenes, most of them empty.
+// Test of stage `output`, which sorts pairs in buckets, one for each range of first indices: with so many triangles
+// that buckets are larger than usual, and so few pairs that most buckets are empty.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@ namespace crumple {
 namespace {
 
 TEST(Output, few_pairs_among_millions_of_triangles_are_sorted) {
-    constexpr std::int32_t count = (1 << 21) + 4096, row = 1500;  // beyond 2,048 buckets of 1,024
+    constexpr std::int32_t count = (1 << 21) + 4096, row = 1500;  // more than 2,048 buckets of 1,024 triangles hold
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::int32_t, 3>> triangles;
     vertices.reserve(3 * count);

@@ -13,14 +13,16 @@
 namespace crumple::cpu {
 namespace {
 
+/// Numbers of possible first and second indices, the least second index (`before`), and a range of first indices,
+/// [low, high), in which seven of eight pairs lie.
 struct Indices {
     std::int32_t firsts, seconds, before;
-    std::int32_t low, high;  ///< range of most first indices
+    std::int32_t low, high;
 };
 
 class SortedPairs : public testing::TestWithParam<int> {
    protected:
-    /// Sorts `count` random pairs with such indices, distributed over the workers.
+    /// Sorts `count` random pairs with indices as `of` describes, in lists of several workers.
     void expect_sorted(const Indices& of, std::size_t count, bool low_memory) {
         std::mt19937 random(7);
         const auto number = [&](std::int32_t low, std::int32_t high) {

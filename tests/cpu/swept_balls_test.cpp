@@ -17,7 +17,7 @@ class SweptBalls : public testing::TestWithParam<bool> {
    protected:
     static constexpr std::int64_t vertices = 50, triangles = 43;
 
-    /// The parameter says whether rows are float32.
+    /// Makes random positions at t0 and t1, float32 numbers if the test's parameter is true, and random triangles.
     SweptBalls() {
         std::mt19937 random(3);
         std::uniform_real_distribution<double> coordinate(-1, 1);

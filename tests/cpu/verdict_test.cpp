@@ -60,7 +60,7 @@ struct Filtered {
     Array<float> points;
     LeafRecords records{nullptr};
     SortedLeaf leaf{nullptr};
-    std::vector<std::int64_t> row;  ///< of each triangle
+    std::vector<std::int64_t> row;  ///< index of each triangle's record after sorting
     Pairs hits, undecided;
 
     Filtered(const test::Tables& kernels, const Mesh& mesh, const NarrowPolicy& policy) {
@@ -151,7 +151,8 @@ TEST(Verdict, no_filter_drops_or_invents_a_collision) {
             }
 }
 
-// Lanes may round differently, so now and then one of the two is certain where the other is not.
+// The SIMD filters (lanes) may round differently from the filters for one pair, so in a few cases only one of the two
+// reaches a verdict. They never reach opposite verdicts.
 TEST(Verdict, lanes_agree_with_filters_for_one_pair) {
     std::mt19937 engine(32);
     for (const bool lattice : {false, true})
@@ -171,7 +172,8 @@ TEST(Verdict, lanes_agree_with_filters_for_one_pair) {
                                 ASSERT_FALSE(hit && one == Verdict::apart) << kernels.name << ": " << a << ' ' << b;
                                 ASSERT_FALSE(!hit && !unresolved && one == Verdict::collides)
                                     << kernels.name << ": " << a << ' ' << b;
-                                // The sweep never gave pairs with disjoint boxes to the filters.
+                                // A pair with disjoint boxes is neither a hit nor unresolved in `found`, since the
+                                // sweep does not pass it to the filters; `one` may then be undecided.
                                 if (hit != (one == Verdict::collides) || (unresolved && one != Verdict::undecided))
                                     ++differ;
                             }

@@ -1,5 +1,5 @@
 // Tests of launches that a caller captures: each replay of the caller's graph runs the query. Plain CUDA: runs on a
-// device or on one that the CPU plays.
+// device or on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -26,8 +26,9 @@ void warm_up(Detector& cuda, const MeshView& mesh, const IntersectionQuery& quer
     for (int call = 0; call < 2; ++call) cuda.launch(mesh, query).wait();
 }
 
-/// Replays until the result is complete. Cluster centres may move, and triangles at one place change clusters together,
-/// so that even a static scene can need a second replay.
+/// Replays until the result is complete, five times at most. Even for a static scene, one replay may not suffice:
+/// cluster centres move from replay to replay, so many triangles may change clusters, and a list of the graph may be
+/// too short.
 const DeviceIntersections& replay_until_complete(const Recorder& recorder,
                                                  const LaunchTicket<IntersectionQuery>& launched) {
     for (int replay = 0;; ++replay) {
@@ -76,7 +77,7 @@ TEST(CudaCapture, wait_gives_the_result_of_the_last_replay) {
     const DeviceMesh device(mesh.view());
     Recorder recorder;
     const MeshView view = recorder.on(device.view());
-    for (int call = 0; call < 2; ++call) cuda.find(device.view());  // any call that lists pairs warms up
+    for (int call = 0; call < 2; ++call) cuda.find(device.view());  // instead of launches: these calls list pairs, too
     recorder.begin();
     const auto launched = cuda.launch(view);
     recorder.end();
@@ -84,7 +85,7 @@ TEST(CudaCapture, wait_gives_the_result_of_the_last_replay) {
     EXPECT_TRUE(shows(launched.wait(), view, nullptr, cpu.find(mesh.view())));
 }
 
-// The host decides in wait() what expansions cannot represent, and rounds contacts of coplanar triangles.
+// Pairs that expansions cannot represent, and contacts of coplanar triangles, are computed by the host in wait().
 TEST(CudaCapture, host_decides_what_the_device_cannot) {
     const IntersectionQuery query{.output = Output::contacts};
     std::int64_t rational = 0, unresolved = 0;
@@ -174,7 +175,7 @@ TEST(CudaCapture, capture_survives_the_end_of_a_detector) {
     EXPECT_EQ(to_host(static_cast<const unsigned char*>(bytes.data()), 1), std::vector<unsigned char>{7});
 }
 
-// A scene that changes suddenly needs longer lists. A call outside of the capture allocates them.
+// A scene that changes suddenly needs longer lists than the graph has. A call outside of the capture allocates them.
 TEST(CudaCapture, incomplete_replay_reports_pairs_needed) {
     constexpr int n = 1500;
     const Soup<float> sparse = random_soup(n, 1e-3), dense = random_soup(n, 0.6, 2);
@@ -199,7 +200,8 @@ TEST(CudaCapture, incomplete_replay_reports_pairs_needed) {
         EXPECT_EQ(found.pairs, nullptr);
         EXPECT_EQ(message_of([&] { launched.download(); }), "download() needs an answer that is complete");
     }
-    // The graph still works for scenes that fit: a sudden change costs one replay, which warm-starts the next ones.
+    // The graph still works for scenes that fit. After a sudden change, the first replay may be incomplete, but it
+    // warm-starts the next one.
     device.set_vertices(sparse.view());
     EXPECT_TRUE(shows(replay_until_complete(recorder, launched), view, nullptr, cpu.find(sparse.view())));
     device.set_vertices(dense.view());

@@ -11,34 +11,35 @@ import sys
 import tempfile
 from pathlib import Path
 
-# Bytes of a thread's stack, including spills, by the beginning of the kernel's name. Expansions need memory; few pairs
-# reach them. The sweep spills nothing but convergence barriers; corners of the filters' records are chosen at run time.
+# Most bytes of a thread's stack, including spills, by a part of the kernel's name. Kernels with large budgets use
+# expansions, but for few pairs only. The sweep spills only convergence barriers. The filters index corners of records at
+# run time, which takes stack.
 STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "close_kernel": 8192, "decide_kernel": 896, "listed_kernel": 576,
          "list_kernel": 80, "pair_kernel": 96, "within_kernel": 96, "filter_kernel": 256, "frame_kernel": 256,
          "sweep_kernel": 32}
 OTHER_STACKS = 16
-# Registers of a thread: 64 let four blocks of 256 run on a multiprocessor, 48 five, 80 three, 40 six, 32 eight. The
-# first name that fits counts. Feature queries read a triangle's trajectory, which is six corners, and twice that for a
-# pair; a record of candidates is 64 words, written at once.
+# Most registers of a thread, by a part of the kernel's name; the first name that matches counts. With 32 registers eight
+# blocks of 256 threads fit on a multiprocessor, with 40 six, 48 five, 64 four, 80 three. Kernels of feature queries read
+# six corners (a trajectory) per triangle, twice as many per pair. Those of candidates write a record of 64 words at once.
 REGISTERS = {"SeparatingAxisTest": 120, "FeatureRows": 96, "CandidateRows": 120, "widened_bounds": 72, "WidenedILi2": 72,
              "exact_kernel": 255, "contact_kernel": 255, "close_kernel": 255, "decide_kernel": 255, "listed_kernel": 80,
              "list_kernel": 80, "pack_kernel": 64, "pair_kernel": 80, "within_kernel": 64, "sweep_kernel": 64,
              "filter_kernel": 80, "frame_kernel": 128, "DeviceScanKernel": 128, "bin_kernel": 48, "offsets_kernel": 56, "place_kernel": 72,
              "check_kernel": 40, "pose_kernel": 48, "bounds_kernel": 64, "members_kernel": 48}
 OTHER_REGISTERS = 40
-# Loads, and copies to shared memory, of at least 16 bytes: two records of four, and other data read by rows.
+# Least number of loads of 16 bytes, and of copies to shared memory, in kernels that read records or rows.
 WIDE_LOADS = {"OverlapAlone": 3, "sweep_kernel": 11, "filter_kernel": 20, "bin_kernel": 3, "place_kernel": 3,
               "pose_kernel": 1}
-# Kernels that may load single bytes: those for unaligned arrays (a template's `false`), one that copies kinds of
-# contacts, rare ones that read coordinates in any layout, those that decide about features, which check alignment at
-# run time, and those that read flags of the features that a triangle owns.
+# Kernels that may load single bytes: those for unaligned arrays (whose template argument is `false`), one that copies
+# kinds of contacts, rarely used ones that read coordinates in any layout, those that decide about features, which check
+# alignment at run time, and those that read flags of the features that a triangle owns.
 BYTES = re.compile(r"(check|bounds|join|corners|rest)_kernelI\w*Lb0E|(exact|contact|gather|part|weld|fill_table)_kernel|HostContact"
                    r"|(decide|close|pack|listed|pair|within)_kernel|(Feature|Candidate)Rows")
 
 
 def kernels(ptx_file, nvcc, source, folder):
-    """name -> (stack, registers, body in PTX)."""
-    # Machine code and PTX in one file, the latter as plain text, so that ccache works: it caches one file and the
+    """Returns a dictionary: kernel name -> (bytes of stack, registers, body in PTX)."""
+    # Makes one file with both machine code and PTX (as plain text), so that ccache works, which caches one file and the
     # printed output.
     run = subprocess.run([*nvcc, "-gencode=arch=compute_90,code=[compute_90,sm_90]", "-Xptxas=-v", "-c", "-fatbin",
                           "-no-compress", "-o", f"{folder}/out", source], capture_output=True, text=True, check=False)

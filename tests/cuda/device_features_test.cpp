@@ -1,4 +1,4 @@
-// Tests of feature queries about meshes in device memory. Plain CUDA: runs on a device or on one that the CPU plays.
+// Tests of feature queries about meshes in device memory. Plain CUDA: runs on a device or on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -114,12 +114,12 @@ TEST(CudaDeviceFeatures, radii_and_rest_shape_may_be_on_the_device) {
     EXPECT_TRUE(same_features(cuda.find(on_device.view(), query_on_device), cpu.find(soup.view(), query)));
 }
 
-// A frame's graph reads the arrays of this frame, wherever they are.
+// The graph of launches is reused from frame to frame, but must read the arrays that each launch passes.
 TEST(CudaDeviceFeatures, each_launch_reads_its_own_arrays) {
     const MovingSoup<float> soup = falling(400, 80);
     const DeviceStep<float> on_device(soup);
     const std::size_t n = soup.start.size();
-    const std::vector<PointOf<float>> flat(n, PointOf<float>{0, 0, 0});  // as a rest shape: nothing is near
+    const std::vector<PointOf<float>> flat(n, PointOf<float>{0, 0, 0});  // rest shape in which all vertices coincide
     const DeviceArray<PointOf<float>> rest[2]{DeviceArray<PointOf<float>>(std::span<const PointOf<float>>(soup.end)),
                                               DeviceArray<PointOf<float>>(std::span<const PointOf<float>>(flat))};
     const std::vector<double> thin(n, 0.001), thick(n, 0.05);
@@ -156,7 +156,7 @@ TEST(CudaDeviceFeatures, free_step_matches_the_cpu) {
 
 TEST(CudaDeviceFeatures, strided_and_unaligned_arrays_are_read) {
     const MovingSoup<float> soup = falling(200, 80);
-    // Unaligned rows of 13 and 25 bytes, with columns in reverse order, and 64-bit indices.
+    // Unaligned rows of 13 or 25 bytes, with columns in reverse order, and 64-bit indices.
     const auto spread = [](const auto& rows, std::int64_t stride, std::int64_t size, std::size_t begin) {
         std::vector<std::byte> out(begin + static_cast<std::size_t>(stride) * rows.size());
         for (std::size_t i = 0; i < rows.size(); ++i)
@@ -204,7 +204,7 @@ TEST(CudaDeviceFeatures, group_filters_match_the_cpu) {
 
 constexpr const char* not_the_oldest = "an older launch is in flight: launches are waited for in their order";
 
-// Two launches in flight, of any kinds, must be waited for in their order.
+// Two launches of different kinds may be in flight. wait() must be called in the order of the launches.
 TEST(CudaDeviceFeatures, launches_of_all_kinds_may_alternate) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const MovingSoup<float> first = falling(300, 85), second = falling(500, 88);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Copy of a host mesh in device memory, as a simulation on a device has it.
+// Copies of host meshes and arrays in device memory, as simulations on a device have them.
 
 #include <cuda_runtime.h>
 
@@ -17,7 +17,7 @@ inline void check(cudaError_t error) {
     if (error != cudaSuccess) throw std::runtime_error(cudaGetErrorString(error));
 }
 
-/// Bytes on the device.
+/// Owner of bytes in device memory.
 class DeviceBytes {
    public:
     DeviceBytes() = default;

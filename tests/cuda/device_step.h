@@ -93,8 +93,8 @@ inline testing::AssertionResult same_list(const DeviceCandidateList&, const Cand
     return testing::AssertionSuccess();
 }
 
-/// Compares counts, lists and edges on the device with the expected result; edges only if the expected result has an
-/// index of them.
+/// Compares counts, lists and edges on the device with the expected result. Edges are compared if the expected result
+/// has any offsets of edges (first_edge).
 template <class Found, class Result>
 testing::AssertionResult shows_features(const Found& found, const Result& expected) {
     if (!found.complete) return testing::AssertionFailure() << "the answer is not complete";

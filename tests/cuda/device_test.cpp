@@ -1,4 +1,4 @@
-// Tests of meshes and results in device memory. Plain CUDA: runs on a device or on one that the CPU plays.
+// Tests of meshes and results in device memory. Plain CUDA: runs on a device or on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -173,7 +173,7 @@ TEST(CudaDevice, errors_name_the_invalid_element) {
     std::visit([](auto& xyz) { xyz[3 * 17 + 2] = std::numeric_limits<float>::infinity(); }, mesh.vertices);
     EXPECT_EQ(message(mesh.view()), "vertex 17 is not finite");
 
-    // A diverged simulation: each NaN is different from all others, which must not make welding slow.
+    // A diverged simulation: no NaN equals another one, which must not make welding slow.
     const std::vector<std::array<float, 3>> all_nan(100'000, {NAN, 0, 0});
     const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
     const DeviceMesh blown_up(MeshView(all_nan, one));
@@ -231,7 +231,8 @@ TEST(CudaDevice, long_rows_are_sorted) {
     EXPECT_TRUE(same_answer(found, cpu.find(mesh)));
 }
 
-// The order in which blocks run must not show. Many repetitions are cheap on a device: CRUMPLE_REPEATS.
+// Results must not depend on the order in which blocks run. CRUMPLE_REPEATS sets the number of repetitions, which can
+// be large on a device.
 TEST(CudaDevice, repeated_calls_give_the_same_bytes) {
     const char* repeats_text = std::getenv("CRUMPLE_REPEATS");
     const int repeats = repeats_text ? std::atoi(repeats_text) : 3;

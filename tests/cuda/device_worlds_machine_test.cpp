@@ -1,4 +1,4 @@
-// Tests of worlds with poses on the device, on the machine that plays it and counts graphs, launches and allocations.
+// Tests of worlds with poses on an emulated device, which counts graphs, launches and allocations.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ class CudaMachineDeviceWorlds : public testing::Test {
         settings() = {};
         settings().multiprocessors = 1;
     }
-    /// Each world has two bodies, which intersect in every third world.
+    /// Makes 20 worlds of two bodies, which intersect in every third world.
     void SetUp() override {
         for (int w = 0; w < 20; ++w)
             for (int b = 0; b < 2; ++b) {

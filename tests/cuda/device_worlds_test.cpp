@@ -1,4 +1,4 @@
-// Tests of worlds whose poses are on the device. Plain CUDA: runs on a device or on one that the CPU plays.
+// Tests of worlds whose poses are on the device. Plain CUDA: runs on a device or on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -110,7 +110,8 @@ TEST(CudaDeviceWorlds, launch_leaves_its_result_on_the_device) {
     check(cudaStreamDestroy(stream));
 }
 
-// The second launch may have other bodies than the first one, which is then run again, since its lists were too short.
+// The second launch may have other bodies than the first one, even if the lists of the first one were too short, so
+// that wait() runs it again after the second has been launched.
 TEST(CudaDeviceWorlds, two_launches_may_be_in_flight) {
     const auto one = posed_world(21, {.bodies = 20, .worlds = 6, .named = 1, .mixed_precision = false});
     const auto two = posed_world(22, {.bodies = 12, .worlds = 3, .named = 0});

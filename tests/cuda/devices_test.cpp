@@ -1,4 +1,4 @@
-// Tests of several devices that divide a query (Options::devices), two to four of which the CPU plays: results equal
+// Tests of several devices that divide a query (Options::devices), with two to four emulated devices: results equal
 // those of one backend byte by byte.
 
 #include <gtest/gtest.h>
@@ -124,7 +124,7 @@ TEST_F(Devices, errors_are_reported_and_the_detector_stays_usable) {
     several.set_poll([&] {
         if (++polls == 1) throw std::domain_error("enough");
     });
-    // Polls come every 20 ms at most: after the first one, its exception arrives unchanged.
+    // Repeats the call until it lasts long enough to poll. The exception that the poll throws must arrive unchanged.
     try {
         while (polls == 0) several.find(WholeMesh(wavy_sheet<float>(40)).view());
         FAIL() << "nothing was thrown";

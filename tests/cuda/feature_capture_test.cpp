@@ -1,5 +1,5 @@
 // Tests of launches of feature queries in a caller's capture: each replay of the caller's graph is a step. Plain CUDA:
-// runs on a device or on one that the CPU plays.
+// runs on a device or on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -73,7 +73,8 @@ TEST(CudaFeatureCapture, every_feature_query_can_be_captured) {
                       cpu.find(soup.view().moving_to(soup.end_view()), CandidateQuery())));
 }
 
-// A graph cannot take other edges: the result is incomplete, and a call outside of the capture rebuilds them.
+// A graph has the edges of the triangles at the time of the capture. If the triangles change, the result is incomplete
+// until a call outside of the capture lists the new edges.
 TEST(CudaFeatureCapture, changed_triangles_make_a_replay_incomplete) {
     MovingSoup<float> soup = falling(300, 88);
     const MeshView host = soup.view();

@@ -1,5 +1,4 @@
-// Tests of feature queries about meshes on the device, on the machine that plays it and counts graphs, launches and
-// allocations.
+// Tests of feature queries about meshes on an emulated device, which counts graphs, launches and allocations.
 
 #include <gtest/gtest.h>
 
@@ -65,7 +64,7 @@ TEST_F(CudaMachineFeatures, launches_are_graphs_of_few_nodes) {
     }
 }
 
-// Each frame has other arrays; one graph serves all of them.
+// The arrays of each frame are at another address; one graph serves all frames.
 TEST_F(CudaMachineFeatures, moving_mesh_needs_no_new_graph) {
     std::vector<DeviceStep<float>> copies;
     for (int i = 0; i < 12; ++i) copies.emplace_back(soup_);

@@ -1,5 +1,5 @@
-// Tests of the comparison of a device with the host (known-answer tests), on a played machine whose kernels can be made
-// to fail.
+// Tests of the comparison of a device with the host (known-answer tests), on an emulated device whose kernels can be
+// made to fail.
 
 #include <gtest/gtest.h>
 
@@ -85,7 +85,7 @@ TEST_F(KnownAnswersOfAMachine, kernel_that_does_nothing_is_detected) {
 TEST_F(KnownAnswersOfAMachine, wrong_results_make_the_backend_unavailable) {
     const auto break_exact_decision = [] {
         settings().run_instead = [begin = cuda_on_cpu::work_count().launches](const cuda_on_cpu::Kernel&) {
-            return cuda_on_cpu::work_count().launches - begin > 8;  // stacks are reserved before
+            return cuda_on_cpu::work_count().launches - begin > 8;  // earlier launches reserve stacks
         };
     };
     break_exact_decision();
@@ -95,13 +95,13 @@ TEST_F(KnownAnswersOfAMachine, wrong_results_make_the_backend_unavailable) {
         "the cuda backend is not available: device 0, its driver or the compiler of its code computes wrong results (";
     EXPECT_EQ(std::string(error.what()).substr(0, reason.size()), reason);
 
-    settings().run_instead = nullptr;  // the device stays excluded
+    settings().run_instead = nullptr;  // kernels work again, but the device stays excluded
     Detector automatic;
     EXPECT_EQ(automatic.backend(), Backend::cpu);
     EXPECT_EQ(automatic.fallback().substr(0, reason.size()), reason);
 }
 
-// Counts the code paths that the cases take on the host.
+// Counts which code paths the comparison's cases take when the host computes them.
 TEST_F(KnownAnswersOfAMachine, cases_cover_every_path_of_the_arithmetic) {
     const cuda::ComparisonCases cases = cuda::make_comparison_cases(96);
     int collide = 0, apart = 0, undecided_pairs = 0, expanded = 0, shared = 0;

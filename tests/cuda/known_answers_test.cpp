@@ -1,5 +1,5 @@
 // Test of the comparison of a device with the host (known-answer tests). Plain CUDA: runs on a device or on one that
-// the CPU plays.
+// the CPU emulates.
 
 #include <cuda_runtime.h>
 
@@ -13,8 +13,8 @@
 namespace crumple::test {
 namespace {
 
-// To be run alone, so that the first backend is the process's first one. The difference of the two times is the time
-// of loading kernels and of the comparison.
+// Run this test alone, so that the first backend is the first one of the process. The difference of the two times that
+// it prints is the time of loading kernels and of the comparison.
 TEST(KnownAnswers, device_passes_the_comparison) {
     ASSERT_EQ(cudaFree(nullptr), cudaSuccess);  // makes the context
     for (const char* which : {"first", "second"}) {

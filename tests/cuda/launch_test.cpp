@@ -1,5 +1,5 @@
 // Tests of launches on the caller's stream, whose results stay on the device. Plain CUDA: runs on a device or on one
-// that the CPU plays.
+// that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -59,7 +59,7 @@ TEST(CudaLaunch, simulation_frames_match_the_cpu) {
     check(cudaStreamDestroy(stream));
 }
 
-// The state that the previous frame leaves affects cost only, whatever the next frame contains.
+// Cached state of the previous frame affects only the cost of the next frame, whatever that contains.
 TEST(CudaLaunch, sudden_scene_changes_do_not_affect_results) {
     constexpr int n = 120;
     using Triangles = std::vector<std::array<float, 3>>;
@@ -73,15 +73,15 @@ TEST(CudaLaunch, sudden_scene_changes_do_not_affect_results) {
     const std::vector<Triangles> frames{
         first.vertices,
         random_soup(n, 0.2, 2).vertices,
-        moved([](std::size_t v, auto& p) {  // one vertex flies off, so that all others are in one cluster
+        moved([](std::size_t v, auto& p) {  // one vertex is far away, so all others are in one cluster
             if (v == 7) p[0] = 1e6f;
         }),
         moved([](std::size_t, auto& p) {
             p = {0.5f, 0.5f, 0.5f};
         }),
-        moved([&](std::size_t, auto& p) { p[1] = inf; }),  // no wait(), so the error is never seen
+        moved([&](std::size_t, auto& p) { p[1] = inf; }),  // invalid; in half of the cases wait() comes too late
         first.vertices,
-        moved([](std::size_t v, auto& p) {  // half of all vertices crowd together
+        moved([](std::size_t v, auto& p) {  // half of all vertices are close together
             if (v % 2) p = {p[0] / 50, p[1] / 50, p[2] / 50};
         }),
         moved([](std::size_t, auto& p) {
@@ -121,12 +121,13 @@ TEST(CudaLaunch, sudden_scene_changes_do_not_affect_results) {
             if (!bad) {
                 EXPECT_EQ(cuda.any(device.view()), !cpu.find(host.view()).pairs.empty());
             }
-            check(cudaDeviceSynchronize());  // otherwise the next frame's vertices would come too early
+            check(cudaDeviceSynchronize());  // before the next frame's vertices overwrite these
         }
     }
 }
 
-// Triangles that intersect many others: the row of a triangle is sorted at once, in one part, or in several.
+// Triangles that intersect many others. The numbers of pairs with one first triangle (a row) are around 64 and 2,048,
+// the largest rows that are sorted at once and in one part; longer rows are sorted in several parts.
 TEST(CudaLaunch, long_rows_are_sorted) {
     Soup<float> soup;
     const auto add = [&](std::array<float, 3> a, std::array<float, 3> b, std::array<float, 3> c) {
@@ -152,7 +153,7 @@ TEST(CudaLaunch, long_rows_are_sorted) {
     EXPECT_TRUE(same_answer(chunked.find(device.view()), expected));
 }
 
-// A cluster with more units of work than its capacity.
+// A search in chunks under a memory limit, with a cluster that has more units of work than a chunk can hold.
 TEST(CudaLaunch, all_units_are_swept_in_chunks) {
     Soup<float> soup = random_soup(6000, 0.01);
     for (std::size_t v = 0; v < soup.vertices.size(); ++v)
@@ -164,7 +165,8 @@ TEST(CudaLaunch, all_units_are_swept_in_chunks) {
     EXPECT_TRUE(Detector(options).any(device.view()));
 }
 
-// One pair among many triangles, none, or thousands; with memory for a whole pass, and in chunks.
+// Scenes with no pair, with one pair among many triangles, and with thousands of pairs; searched at once, and in chunks
+// under a memory limit.
 TEST(CudaLaunch, any_reports_whether_anything_collides) {
     Soup<float> soup = random_soup(1000, 1e-4);
     const DeviceMesh apart(soup.view());
@@ -317,8 +319,8 @@ TEST(CudaLaunch, two_frames_in_flight_match_the_cpu) {
     }
 }
 
-// The wait() of the first launch completes what its pass left undecided, although the second pass has reused the lists;
-// the second result is right, too.
+// The wait() of the first launch computes what its pass left undecided, although the second pass has already reused the
+// lists. Both results are right.
 TEST(CudaLaunch, hard_frames_in_flight_match_the_cpu) {
     const std::vector<NamedMesh> scenes = hard_soups();
     const IntersectionQuery query{.output = Output::contacts};
@@ -368,8 +370,8 @@ TEST(CudaLaunch, lists_grow_with_two_frames_in_flight) {
     EXPECT_TRUE(shows(launched.back().wait(), soups[0].view(), nullptr, expected[0]));
 }
 
-// Passes share lists: a pass begins when all earlier ones have ended, on any stream, and so does whatever moves lists
-// or repeats a pass.
+// All passes of a detector use the same lists. So a pass begins only after all earlier passes have ended, on any
+// stream; the same is true of operations that move the lists, and of repeated passes.
 TEST(CudaLaunch, passes_of_different_streams_do_not_overlap) {
     constexpr int n = 1500;
     const Soup<float> sparse = random_soup(n, 1e-3), dense = random_soup(n, 0.6, 2), more = random_soup(2 * n, 1e-3);
@@ -496,7 +498,7 @@ TEST(CudaLaunch, second_frame_in_flight_needs_no_higher_memory_limit) {
     const std::vector<Intersections> expected{cpu.find(meshes[0].view()), cpu.find(meshes[1].view())};
     Detector unlimited({.backend = Backend::cuda});
     const std::int64_t all = unlimited.find(devices[1].view()).statistics.peak_memory_bytes;
-    // Returns the number of frames with results; `ahead` later launches are in flight at each wait().
+    // Returns the number of frames with results under a limit. At each wait(), `ahead` later launches are in flight.
     const auto completed_frames = [&](std::int64_t limit, std::size_t ahead) {
         SCOPED_TRACE(testing::Message() << limit << " bytes");
         Detector cuda({.backend = Backend::cuda, .memory_limit = limit});

@@ -1,5 +1,5 @@
-// Tests that need the machine that plays the device: no device, no driver, failing allocations and launches, counts of
-// graph nodes.
+// Tests that need an emulated device (a machine whose settings can be changed): no device, no driver, failing
+// allocations and launches, counts of graph nodes.
 
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ class CudaMachine : public testing::Test {
 
 TEST_F(CudaMachine, missing_device_makes_the_backend_unavailable) {
     settings().devices = 0;
-    EXPECT_EQ(message(), "the cuda backend is not available: no");  // CUDA words the reason
+    EXPECT_EQ(message(), "the cuda backend is not available: no");  // the rest is CUDA's message
 }
 
 TEST_F(CudaMachine, missing_driver_makes_the_backend_unavailable) {
@@ -135,7 +135,8 @@ TEST_F(CudaMachine, repeated_launches_reuse_graphs) {
     EXPECT_EQ(made, 0u) << "five in two slots are more than are kept";
 }
 
-// One graph gets the addresses of each frame. The arrays of all frames stay allocated, so that no address occurs twice.
+// One graph is updated with the addresses of each frame. The arrays of all frames stay allocated, so that no address
+// occurs twice.
 TEST_F(CudaMachine, one_graph_serves_moving_arrays_and_growing_lists) {
     constexpr int n = 1500;
     const Soup<float> soups[] = {random_soup(n, 1e-3), random_soup(n, 0.5, 2), random_soup(n, 0.8, 3)};
@@ -173,10 +174,10 @@ TEST_F(CudaMachine, lists_of_chunks_use_the_available_memory) {
     EXPECT_EQ(survivors(2'400'000), 100'000u);
 }
 
-// Limits the number of nodes that wait for each other, since each costs time; the benchmark's bounds count them
-// (benchmarks/least_work.cpp). Nodes for the warm start of the next frame run beside them: two iterations of two nodes
-// and positions for each level, and the frames. The scene has so few triangles that the second level stays however they
-// join the clusters of the first one, which depends on the order in which threads add.
+// Checks the number of nodes on the longest chain of dependencies, each of which takes time; benchmarks/least_work.cpp
+// uses these numbers. The other nodes prepare the warm start of the next frame beside the chain: two iterations of two
+// nodes and positions for each level, and the frames of leaves. The order in which threads add affects the clusters;
+// the scene has so few triangles that this does not change the number of levels.
 TEST_F(CudaMachine, graphs_have_few_nodes) {
     const io::TriangleMesh mesh = scenes::make("soup", {.triangles = 50});
     ASSERT_EQ(mesh.view().triangles.rows, 50);
@@ -223,7 +224,8 @@ TEST_F(CudaMachine, callers_graph_gets_the_same_nodes) {
     check(cudaStreamDestroy(stream));
 }
 
-// Must not free lists to make space for contacts: the caller's graph uses them.
+// wait() needs memory for the contacts of a replay. If there is none, it must not free lists, which the caller's graph
+// uses.
 TEST_F(CudaMachine, missing_memory_for_contacts_of_a_replay_is_an_error) {
     const io::TriangleMesh few = scenes::make("cloth", {.triangles = 300, .frame = 80}),
                            many = scenes::make("cloth", {.triangles = 300, .frame = 93});
@@ -259,7 +261,7 @@ TEST_F(CudaMachine, missing_memory_for_contacts_of_a_replay_is_an_error) {
     check(cudaStreamDestroy(stream));
 }
 
-// A launch that fails within a capture joins its branches again, so that the caller can end the capture.
+// A launch that fails within a capture joins the streams that it has forked, so that the caller can end the capture.
 TEST_F(CudaMachine, failed_launch_leaves_the_capture_valid) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
     const DeviceMesh device(mesh.view());
@@ -284,7 +286,7 @@ TEST_F(CudaMachine, failed_launch_leaves_the_capture_valid) {
     check(cudaStreamDestroy(stream));
 }
 
-// The driver allocates memory for stacks, and perhaps for graphs.
+// A kernel launch may fail because the driver finds no memory for stacks or graphs.
 TEST_F(CudaMachine, failed_kernel_launch_does_not_change_result) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 300, .frame = 93});
     const DeviceMesh device(mesh.view());
@@ -373,7 +375,7 @@ TEST_F(CudaMachine, broken_device_makes_calls_fail) {
     EXPECT_EQ(code([&] { cuda.launch(device.view()); }), ErrorCode::device);
 }
 
-// A memory limit that suffices also suffices as the device's memory.
+// If a memory limit suffices, a device with that much free memory and no limit also suffices.
 TEST_F(CudaMachine, limit_that_suffices_also_suffices_as_device_memory) {
     const io::TriangleMesh mesh = scenes::make("cloth", {.triangles = 600, .frame = 93});
     const IntersectionQuery query{.output = Output::contacts};

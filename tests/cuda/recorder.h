@@ -1,6 +1,6 @@
 #pragma once
 
-// Stream of a caller who captures calls into a graph.
+// A stream on which tests, in the role of a caller, capture calls into a CUDA graph.
 
 #include <cuda_runtime.h>
 
@@ -9,7 +9,7 @@
 
 namespace crumple::test {
 
-/// Stream that captures calls, and replays them.
+/// Stream, and a graph of the calls that were captured on it.
 class Recorder {
    public:
     Recorder() { check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking)); }

@@ -1,5 +1,5 @@
-// Tests of worlds searched side by side, on the machine that plays the device and counts launches: how many they take,
-// and what happens if worlds do not fit into memory.
+// Tests of worlds searched side by side on an emulated device, which counts launches: the number of launches, and
+// worlds that do not fit into memory.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ class CudaMachineWorlds : public testing::Test {
         settings().multiprocessors = 1;
     }
 
-    /// Each world has two bodies, which intersect in every third world; every seventh world has no bodies.
+    /// Makes worlds of two bodies, which intersect in every third world. Every seventh world has no bodies.
     explicit CudaMachineWorlds(int worlds = 40) {
         for (int w = 0; w < worlds; ++w) {
             if (w % 7 == 5) continue;

@@ -12,8 +12,8 @@
 namespace crumple::test {
 namespace {
 
-/// Two worlds have the same bodies. The first hit decides one of them; in the other one the pair filter excludes all
-/// pairs.
+/// Two worlds have the same bodies. The first hit decides the first world. In the second world the pair filter excludes
+/// all pairs.
 TEST(CudaWorlds, decided_worlds_are_swept_no_further) {
     const auto a = random_soup<float>(1500, 0.1, 3), b = random_soup<float>(1500, 0.1, 4);
     auto c = a, d = b;
@@ -31,13 +31,14 @@ TEST(CudaWorlds, decided_worlds_are_swept_no_further) {
     ASSERT_GT(all.world_counts[0], 100);
     ASSERT_EQ(all.world_counts[1], 0);
     EXPECT_TRUE(same_bytes(flags.world_hit, all.world_hit, "flags of worlds"));
-    // Each world has half of the overlaps. A sixteenth is swept twice; of the first world nothing else.
+    // Each world has half of the overlaps. The first round sweeps a sixteenth of both worlds, the second round all of
+    // the world that is still undecided.
     EXPECT_GT(flags.statistics.box_overlaps, all.statistics.box_overlaps * 2 / 5);
     EXPECT_LT(flags.statistics.box_overlaps, all.statistics.box_overlaps * 2 / 3);
 }
 
-/// In every other world a corner lies in the plane of another triangle, which products of subnormal numbers cannot
-/// detect.
+/// In every other world a corner lies in the plane of the other triangle. The device cannot decide that, as products of
+/// subnormal numbers underflow.
 TEST(CudaWorlds, worlds_that_only_the_host_can_decide_have_flags) {
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
     const auto two = [](double height) {
@@ -57,7 +58,7 @@ TEST(CudaWorlds, worlds_that_only_the_host_can_decide_have_flags) {
     EXPECT_GT(found.statistics.rational_tests, 0);
 }
 
-/// All soups lie at one place, though some are so large that others are a point beside them.
+/// All soups are at the origin. Some are so large that others are tiny compared with them.
 TEST(CudaWorlds, hard_soups_match_the_cpu) {
     const std::vector<NamedMesh> soups = hard_soups();
     std::vector<Shape> shapes;
@@ -80,8 +81,8 @@ TEST(CudaWorlds, hard_soups_match_the_cpu) {
     }
 }
 
-/// Small worlds are searched side by side; one that fills a device is searched alone, between those before and after
-/// it.
+/// Small worlds are searched side by side. A world that is large enough to fill a device is searched alone, after the
+/// worlds before it and before those after it.
 TEST(CudaWorlds, large_world_is_searched_in_a_pass_of_its_own) {
     const auto large = random_soup<float>(70'000, 0.004, 5);
     const auto first = random_soup<float>(60, 0.3, 1), second = random_soup<float>(45, 0.3, 2);

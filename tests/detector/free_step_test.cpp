@@ -12,8 +12,8 @@ namespace {
 
 constexpr double cut = 1 - 0x1p-16;
 
-/// Returns pairs of triangles of one size, side by side along x: one at height 0, the other two units above it, which
-/// falls by its own distance.
+/// Returns pairs of equal triangles, side by side along x. One triangle of a pair is static at height 0. The other is 2
+/// above it, and falls by falls[i] in pair i.
 MovingSoup<> falling(const std::vector<double>& falls) {
     MovingSoup<> soup;
     const auto add = [&](double x, double z, double fall) {
@@ -215,7 +215,8 @@ TEST_P(FreeSteps, approaching_only_lets_bodies_leave_contact) {
 INSTANTIATE_TEST_SUITE_P(, FreeSteps, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& p) { return p.param == Backend::cpu ? "cpu" : "reference"; });
 
-/// The steps of hard soups are free after rounding, or stay at the start if something touches there.
+/// The steps of hard soups are free after the positions have been rounded, unless they stay at a start where something
+/// touches.
 TEST(FreeStepsOfSoups, free_steps_of_hard_soups_are_free) {
     Detector cpu({.backend = Backend::cpu, .threads = 1}), reference({.backend = Backend::reference});
     int cuts = 0, some = 0;

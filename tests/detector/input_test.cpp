@@ -78,7 +78,8 @@ TEST(Input, vertex_that_is_not_finite_is_reported_even_if_unused) {
     EXPECT_EQ(pairs_of(detector.find({vertices, triangles})), expected) << "still usable";
 }
 
-// The checks take sixteen rows at once, and chunks on several threads.
+// Tries each row at the start and around row 8,192: the checks read sixteen rows at once, and chunks of rows on several
+// threads.
 template <class Scalar>
 void expect_bad_values_named_anywhere() {
     Detector detector;

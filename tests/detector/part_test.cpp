@@ -19,7 +19,7 @@ using test::difference;
 using test::error_of;
 using test::pairs_of;
 
-/// Owned pairs with their contacts' bytes.
+/// Pairs that parts have reported, with the points of their contacts.
 using OwnedPairs = std::map<Pair, std::vector<std::array<double, 3>>>;
 
 void add(const Intersections& found, OwnedPairs& result) {
@@ -69,7 +69,7 @@ TYPED_TEST_SUITE(PartUnion, Scalars, );
 
 const std::vector<GroupPair> excluded{{0, 1}, {2, 2}};
 
-/// Returns queries, of which the first one gets the most numbers of parts.
+/// Returns queries. The first one is tested with more numbers of parts than the others (counts()).
 std::vector<IntersectionQuery> queries() {
     return {{.output = Output::contacts},
             {.neighbours = Neighbours::skip, .weld = true},
@@ -208,7 +208,7 @@ TEST(Part, members_can_be_found_from_any_slice) {
         const PartTree tree = centres.tree();
         const std::vector<Part> parts = make_parts(scene, count, serial);
         for (const std::int64_t begin : {0, 123, 499}) {
-            auto alone = soup;  // its bounding box is another one
+            auto alone = soup;  // with another bounding box
             alone.triangles = {soup.triangles.begin() + begin,
                                soup.triangles.begin() + std::min<std::int64_t>(begin + 50, 500)};
             SceneBuffers own;

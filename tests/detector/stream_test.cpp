@@ -106,7 +106,7 @@ void compare(const Meshes& meshes, const IntersectionQuery& query, const Options
     }
 }
 
-/// Divisor of scene sizes: sanitizers are slow.
+/// Divisor of scene sizes, as sanitizers are slow.
 constexpr int part = sanitized ? 2 : 1;
 
 std::vector<Options> option_list() {

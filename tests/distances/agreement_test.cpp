@@ -67,7 +67,8 @@ TEST_P(NearestAgreement, holds_for_larger_bodies) {
     for (unsigned seed = 300; seed < 304; ++seed)
         compare(seed, {.shapes = 2, .bodies = 3, .triangles = 60, .named = 1, .reach = 3});
 }
-/// Many triangles touch, so the search seldom meets the first pair first.
+/// Many triangles intersect. The result is the first intersecting pair in the order of triangles, which is seldom the
+/// pair that the search finds first.
 TEST_P(NearestAgreement, holds_for_larger_bodies_at_one_place) {
     for (unsigned seed = 350; seed < (sanitized ? 352u : 358u); ++seed)
         compare(seed, {.shapes = 2, .bodies = 4, .triangles = 60, .named = 1, .everywhere = 0, .reach = 0.1});
@@ -78,7 +79,7 @@ TEST_P(NearestAgreement, holds_for_single_triangles) {
 }
 TEST_P(NearestAgreement, holds_without_bodies) { compare(500, {.bodies = 0}); }
 
-/// Returns a box with `cuts` squares of two triangles along each edge: symmetric, with many triangles in one plane.
+/// Returns the surface of the unit cube; each face consists of cuts × cuts squares, each square of two triangles.
 test::Soup<double> box(int cuts) {
     test::Soup<double> soup;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -120,7 +121,7 @@ TEST_P(NearestAgreement, holds_for_symmetric_shapes) {
     }
 }
 
-/// Sizes from the smallest to the largest float64, whose squares underflow or overflow.
+/// Uses sizes across the range of float64, among them sizes whose squares underflow or overflow.
 TEST_P(NearestAgreement, holds_for_largest_and_smallest_numbers) {
     for (const double size : {0x1p-1060, 0x1p-600, 0x1p-300, 0x1p250, 0x1p500, 0x1p1020}) {
         const std::vector<std::array<double, 3>> vertices{{-size, -size, 0}, {size, -size, 0}, {0, size, 0},

@@ -234,7 +234,8 @@ TEST(NearestBodies, stop_at_the_first_poll_after_cancellation) {
 
 class NearestMemory : public testing::TestWithParam<int> {};
 
-/// Expects, under each limit, the same result within it or an error that leads to a sufficient limit.
+/// Expects that a call under a limit either returns the same result and does not exceed the limit, or throws an error
+/// whose bytes_needed lead to a sufficient limit.
 TEST_P(NearestMemory, peak_stays_within_the_limit) {
     const auto world = random_world(3, {.shapes = 4, .bodies = 30, .triangles = 300, .named = 0.7, .reach = 3});
     for (const Output output : {Output::pairs, Output::nearest}) {

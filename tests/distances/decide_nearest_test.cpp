@@ -40,7 +40,8 @@ TEST(FilteredNearest, gives_no_bounds_for_huge_numbers) {
     EXPECT_EQ(quick.upper(), infinity);
 }
 
-/// Uses triangles built from few points, so that they have parts in common.
+/// Closest parts are the vertices, edges or faces in which two triangles are closest. The triangles of this test share
+/// corners, so that one pair of parts belongs to several pairs of triangles.
 TEST(ClosestParts, claimed_triangles_have_the_distance_of_the_parts) {
     int same = 0, others = 0;
     for_triangles(300, [&](RandomTriangles& random, double) {
@@ -56,7 +57,7 @@ TEST(ClosestParts, claimed_triangles_have_the_distance_of_the_parts) {
                 const bool claimed = parts.are_closest_of(s, t);
                 const bool equal = compare(RationalNearest(s, t), exact) == 0;
                 if (claimed) {
-                    // The distance of the parts is that of s and t; that of a and b may be less.
+                    // s and t have the distance of the parts. The distance of a and b may be less.
                     const RationalDistance distance(parts.features());
                     ASSERT_EQ(distance.squared(), RationalNearest(s, t).squared());
                 }

@@ -1,6 +1,7 @@
 #pragma once
 
-// Random triangles on lattices and off them: the smaller the numbers, the more of them are degenerate or tie.
+// Random triangles with small integers as coordinates (lattices), of which many are degenerate or have equal distances,
+// and with random float64 numbers (Lattice::fine).
 
 #include <gtest/gtest.h>
 
@@ -17,7 +18,7 @@ class RandomTriangles {
    public:
     RandomTriangles(Lattice lattice, unsigned seed) : lattice_(lattice), engine_(seed) {}
 
-    /// Returns a random triangle. `apart`: its offset along x.
+    /// Returns a random triangle, moved by `apart` along x.
     TrianglePoints operator()(double apart) { return {position(apart), position(apart), position(apart)}; }
 
     int below(int n) { return static_cast<int>(engine_() % static_cast<unsigned>(n)); }

@@ -37,7 +37,8 @@ WorldKind one_world(int bodies) {
     return kind;
 }
 
-/// Returns a random query (see random_query) that ranks accept, and changes the world's bodies accordingly.
+/// Returns a random query (see random_query) that ranks support. Changes Body::self of the world's bodies so that they
+/// fit the query.
 IntersectionQuery query_for_ranks(unsigned seed, RandomWorld& world) {
     IntersectionQuery query = random_query(seed, static_cast<int>(world.bodies.size()));
     query.index = false;
@@ -253,8 +254,8 @@ TEST(RankBodies, few_or_no_bodies_match_a_single_detector) {
     }
 }
 
-/// Returns the error message of a call that spoil(rank, piece, share, query) has changed, or those of three ranks if
-/// they differ. Expects valid calls to work afterwards.
+/// Makes a call on three ranks whose arguments spoil(rank, piece, share, query) has made invalid. Returns the error
+/// message, or the messages of all ranks if they differ. Expects valid calls to work afterwards.
 template <class Spoil>
 std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, std::int64_t index = -1) {
     const auto world = touching_world(4);
@@ -350,7 +351,7 @@ TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
               "rank 0: containment must be false: ranks find the surfaces that meet");
 }
 
-// A rank that calls with triangles instead of bodies does not leave the others waiting.
+// One rank passes triangles and the others pass bodies: all ranks must report an error, and none may wait forever.
 TEST(RankBodies, calls_of_different_kinds_fail_on_all_ranks) {
     const auto world = touching_world(4);
     std::vector<std::string> messages(3);

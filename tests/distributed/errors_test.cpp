@@ -30,7 +30,7 @@ DistributedOptions small() {
     return options;
 }
 
-/// The error that a rank got; an empty message if there was none.
+/// Error of a call on one rank; the message is empty if there was none.
 struct Seen {
     std::string message;
     ErrorCode code{};
@@ -53,8 +53,8 @@ Seen seen_by(Call call) {
     return {};
 }
 
-/// Lets three ranks call with local meshes that spoil(rank, piece, query) has changed, then with the right ones.
-/// Returns the error, which must be the same on all ranks.
+/// Makes calls on three ranks whose arguments spoil(rank, piece, query) has made invalid, and valid calls after them,
+/// which must work. Returns the error of the invalid call, which must be the same on all ranks.
 template <class Spoil>
 Seen seen_by_all(Spoil spoil, const DistributedOptions& options = small()) {
     const WholeMesh mesh(wavy_sheet<float>(16));
@@ -104,7 +104,7 @@ TEST(RankErrors, error_in_any_phase_is_the_same_on_all_ranks) {
                     });
                     const Seen seen = seen_by([&] { detector.find(piece.share()); });
                     detector.set_hook({});
-                    // If only vertices have moved, centres are not recomputed.
+                    // In the second call no triangle has changed, so centres are not recomputed: that phase is skipped.
                     const bool skipped = warm && static_cast<Phase>(phase) == Phase::place;
                     const std::string message = "rank " + std::to_string(failing) + ": fault in " + name;
                     if (seen.message != (skipped ? "" : message) || (!skipped && seen.rank != failing))
@@ -322,8 +322,8 @@ TEST(RankErrors, memory_error_reports_largest_shortfall) {
     EXPECT_EQ(seen[2], seen[0]);
 }
 
-// Triangles enter and leave parts, frame by frame, within a quarter more memory than the first frame needs. The meter
-// would be full after some frames if memory of triangles that left were not released.
+// Triangles enter and leave parts from frame to frame. The memory limit is a quarter above what the first frame needs.
+// If memory of triangles that have left a part were not released, later frames would exceed the limit.
 TEST(RankErrors, memory_does_not_grow_while_triangles_change_parts) {
     const WholeMesh mesh(wavy_sheet<float>(60));
     const auto run_frames = [&](std::int64_t limit, int frames) {

@@ -35,7 +35,7 @@ struct Step {
     VertexView end_view() const { return end.view().vertices; }
 };
 
-/// Returns the lowest triangle that has each vertex, or each edge of a result.
+/// Returns, for each vertex or edge that can be the first feature of `kind`, the lowest triangle that contains it.
 template <class Result>
 std::vector<std::int64_t> owner_of_first(const WholeMesh& mesh, const Result& whole, FeatureKind kind) {
     const bool edges = kind == FeatureKind::edge_edge;
@@ -65,8 +65,8 @@ inline bool same_values(const ProximityList& found, std::size_t i, const Proximi
                                            std::memcmp(&found.at[i], &whole.at[j], sizeof whole.at[j]) == 0));
 }
 
-/// Compares with the rows of the whole result whose first feature is owned by a triangle of this rank, in order, and
-/// checks that their edges are listed.
+/// Compares a rank's rows with those rows of the whole result, in order, whose first feature is owned by one of the
+/// rank's triangles (`ids`). Checks that the rank lists the edges of these rows.
 template <class Rows, class Result>
 testing::AssertionResult rows_are(const Rows& rows, std::vector<std::int64_t> ids, const Result& whole,
                                   const WholeMesh& mesh) {

@@ -1,6 +1,6 @@
-// Compares MPI processes with a single detector: one mpirun for each number of ranks runs all scenes. Every rank
-// computes the result of a single detector itself and compares its own rows. Collective calls come before expectations,
-// since a failed one must not skip them.
+// Compares MPI processes with a single detector: one mpirun for each number of ranks runs all tests. Every rank
+// computes the result of a single detector itself and compares its own rows. Tests make collective calls before they
+// check results, since a failed check must not skip a collective call.
 
 #include "crumple/mpi.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Ranks simulated by threads of the test.
+// Ranks that are threads of the test's process.
 
 #include <exception>
 #include <memory>

@@ -25,7 +25,7 @@ namespace {
 using distribute::RankDetector;
 using distribute::Transport;
 
-// Options of the ranks, with the tested backend: the same tests are built once for each.
+// Options of the ranks. The backend is the tested one (tested_backend.h).
 
 DistributedOptions one_thread(int parts = 0, std::int64_t round_bytes = std::int64_t{1} << 26) {
     DistributedOptions options;
@@ -146,7 +146,7 @@ TEST(Ranks, ids_may_be_omitted_if_ranks_share_no_vertices) {
     EXPECT_TRUE(verdicts.all());
 }
 
-/// Sets the coordinates at a time: the sheet flies away, turns and waves.
+/// Sets the coordinates at a time: the sheet `from` moves along x and waves.
 void move(WholeMesh& mesh, const WholeMesh& from, double time) {
     std::visit(
         [&](auto& xyz) {
@@ -191,12 +191,12 @@ TEST(Ranks, moving_scene_matches_a_single_detector) {
         });
         EXPECT_TRUE(verdicts.all());
         EXPECT_GT(moved, frames / 2);
-        EXPECT_LT(moved, frames);  // the scene left the box for which centres were computed
+        EXPECT_LT(moved, frames);  // in some frames the scene has left the box of the centres
     }
 }
 
-/// Returns the soup at a time between 0 and 1 while each triangle moves to the initial place of another one, so that
-/// triangles from anywhere meet.
+/// Returns the soup at a time from 0 to 1, in units of `unit`. Each triangle moves to the initial place of another one,
+/// so that triangles from different places meet.
 WholeMesh mingled(const WholeMesh& soup, double time, double unit) {
     WholeMesh mesh = soup;
     const auto& from = std::get<std::vector<double>>(soup.vertices);
@@ -209,7 +209,7 @@ WholeMesh mingled(const WholeMesh& soup, double time, double unit) {
     return mesh;
 }
 
-// In tiny scenes the squares of displacements underflow to 0.
+// One of the scenes is so small that squares of displacements underflow to 0.
 TEST(Ranks, triangles_may_move_between_parts) {
     const WholeMesh soup(random_soup<double>(400, 0.15));
     constexpr int frames = 12;
@@ -240,7 +240,7 @@ TEST(Ranks, triangles_may_move_between_parts) {
     }
 }
 
-/// Clock by which each search takes the rank's time_of_search.
+/// Time of a pretended clock, of each rank (thread). Each reading advances it by time_of_search.
 thread_local double time_now = 0, time_of_search = 0;
 double pretended_time() { return time_now += time_of_search; }
 
@@ -293,7 +293,7 @@ TEST(Ranks, progress_shows_each_phase_and_part_once) {
             std::iota(all_parts.begin(), all_parts.end(), 0);
             const bool ascend =
                 std::adjacent_find(phases.begin(), phases.end(), std::greater_equal<>()) == phases.end();
-            // If only vertices have moved, centres are not recomputed.
+            // In the second frame no triangle has changed, so centres are not recomputed, and one phase is missing.
             const std::size_t count = phase_count - (frame == 0 ? 0 : 1);
             if (!even || !ascend || done != all_parts || did.parts == 0 || phases.size() != count)
                 verdicts.add(transport.rank(), testing::AssertionFailure() << "frame " << frame << ": " << phases.size()

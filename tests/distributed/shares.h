@@ -29,8 +29,8 @@ inline constexpr std::array every_distribution{Distribution::blocks, Distributio
                                                Distribution::all_on_one};
 
 struct WholeMesh {
-    std::variant<std::vector<float>, std::vector<double>> vertices;  ///< 3n
-    std::vector<std::int32_t> corners, groups;                       ///< 3m; m or none
+    std::variant<std::vector<float>, std::vector<double>> vertices;  ///< 3 per vertex
+    std::vector<std::int32_t> corners, groups;                       ///< 3 per triangle; 1 per triangle, or empty
 
     WholeMesh() = default;
     template <class Scalar>
@@ -85,7 +85,7 @@ class MeshPiece {
         };
         for (std::size_t v = 0; rank == 0 && v < n; ++v)
             if (!named[v]) number(v);
-        // Not sorted by id: ids may come in any order.
+        // If the distribution is random, triangles are in descending order of ids, since ids may come in any order.
         for (std::int64_t i = 0; i < m; ++i) {
             const std::int64_t t = how == Distribution::random ? m - 1 - i : i;
             if (rank_of_triangle(how, t, m, ranks) != rank) continue;
@@ -129,8 +129,8 @@ class MeshPiece {
     const WholeMesh* whole_;
 };
 
-/// Compares with the rows of the whole result whose first triangle is one of `ids`, in order. If the rows of each rank
-/// compare equal, the rows of all ranks are the whole result.
+/// Compares a rank's rows with those rows of the whole result, in order, whose first triangle is one of the rank's
+/// triangles (`ids`). If they are equal on each rank, the rows of all ranks are the whole result.
 inline testing::AssertionResult rows_are(const DistributedIntersections& rows, std::vector<std::int64_t> ids,
                                          const Intersections& whole) {
     std::sort(ids.begin(), ids.end());

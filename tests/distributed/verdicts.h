@@ -7,7 +7,7 @@
 
 namespace crumple::test {
 
-/// Thread-safe list of the ranks' failures: GoogleTest's own records must not be used by many threads.
+/// Thread-safe list of the failures of ranks, which are threads: these must not use GoogleTest's expectations.
 class Verdicts {
    public:
     void add(int rank, const testing::AssertionResult& result) {

@@ -20,7 +20,7 @@ class WorldPiece {
     WorldPiece(const World& whole, Distribution how, int rank, int ranks) : whole_(whole) {
         const auto n = static_cast<std::int64_t>(whole.bodies.size());
         std::map<std::int32_t, std::int32_t> local;
-        // Not sorted by id: ids may come in any order.
+        // If the distribution is random, bodies are in descending order of ids, since ids may come in any order.
         for (std::int64_t i = 0; i < n; ++i) {
             const std::int64_t b = how == Distribution::random ? n - 1 - i : i;
             if (rank_of_triangle(how, b, n, ranks) != rank) continue;
@@ -55,7 +55,7 @@ class WorldPiece {
     World whole_;
 };
 
-/// Compares with the rows of the whole result whose first body is this rank's, in order.
+/// Compares a rank's rows with those rows of the whole result, in order, whose first body is one of the rank's.
 inline testing::AssertionResult rows_are(const DistributedIntersections& rows, const WorldPiece& piece,
                                          const Intersections& whole) {
     std::vector<BodyPair> bodies;
@@ -84,7 +84,8 @@ inline testing::AssertionResult rows_are(const DistributedIntersections& rows, c
     return same ? same_bytes(rows.contacts.points, contacts.points, "contact points") : same;
 }
 
-/// Compares rows of impacts or proximities in the same way, and checks that the edges of edge pairs are listed.
+/// Compares a rank's rows of impacts or proximities in the same way. Checks that the rank lists the edges of these
+/// rows.
 template <class Rows, class Result>
 testing::AssertionResult feature_rows_are(const Rows& rows, const WorldPiece& piece, const Result& whole) {
     for (std::size_t k = 0; k < feature_kinds; ++k) {

@@ -11,8 +11,8 @@
 
 namespace crumple::test {
 
-/// Returns soups to try, see moving_soups(). Under sanitizers the soups are smaller, since brute force takes quadratic
-/// time; where a device is played, there are fewer.
+/// Returns soups to try, see moving_soups(). `part` scales their sizes, and under sanitizers `if_sanitized` as well,
+/// since brute force takes quadratic time. On an emulated device the soups are fewer and smaller.
 template <class Scalar>
 std::vector<NamedMove<Scalar>> soups_to_try(double part, double if_sanitized) {
     std::vector<NamedMove<Scalar>> all = moving_soups<Scalar>((played ? 0.2 : sanitized ? if_sanitized : 1) * part);

@@ -30,7 +30,7 @@ class FeatureAgreement : public testing::Test {
             const ImpactQuery query{.min_distance = distance, .min_distance_share = share};
             expect_impacts(move.soup, query, std::span(tested()).subspan(1, share > 0 ? 1 : 2));
         };
-        for_each_soup(work, share > 0 ? 0.12 : 0.2);  // a share leaves every pair to the exact decision
+        for_each_soup(work, share > 0 ? 0.12 : 0.2);  // with a share, every pair needs the exact decision
     }
 };
 using Precisions = testing::Types<float, double>;
@@ -86,8 +86,8 @@ TYPED_TEST(FeatureAgreement, proximities_match_brute_force) {
         }
 }
 
-/// A few triangles near 0 come close, in a leaf of their own, while others are so far away that squares of the steps
-/// vanish in float32.
+/// A few triangles near 0, in a leaf of their own, approach each other by small steps. Other triangles are so far away
+/// that, relative to the size of the scene, squares of these steps underflow in float32.
 TEST(FeatureExtremes, small_steps_in_a_large_scene_match_brute_force) {
     for (int exponent = -5; exponent >= -22; exponent -= sanitized || played ? 4 : 1) {
         const double step = std::pow(10, exponent);

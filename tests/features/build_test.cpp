@@ -86,7 +86,7 @@ struct Built {
     }
 };
 
-// Coordinates are below 1.
+// Compares coordinates. They are below 1, so the tolerance is absolute.
 void expect_near(const Vec3f& a, const Vec3f& b, float by) {
     for (int axis = 0; axis < 3; ++axis) ASSERT_NEAR(a[axis], b[axis], by);
 }
@@ -101,7 +101,7 @@ void expect_same(const FeatureRecord<moments>& a, const FeatureRecord<moments>& 
             if (i % 4 < 3)
                 ASSERT_EQ(p, q);
             else
-                ASSERT_NEAR(p, q, 1e-5);  // of a normal; edges are short relative to their distance
+                ASSERT_NEAR(p, q, 1e-5);  // normals: less accurate, as edges are short
         }
     for (int k = 0; k < 3; ++k) {
         ASSERT_EQ(a.vertex[k], b.vertex[k]);

@@ -1,4 +1,5 @@
-// Compares worlds of named bodies, many of which are clear, with brute force, which leaves out nothing.
+// Compares worlds of named bodies with brute force. Many of these worlds are "clear": their bodies are so far apart
+// that the search leaves the world out, which brute force does not do.
 
 #include <gtest/gtest.h>
 
@@ -61,7 +62,7 @@ TEST(ClearWorlds, clear_worlds_match_brute_force) {
     EXPECT_GT(clear, 50u);
 }
 
-/// A body 2 above another one; its lowest point is a corner.
+/// Uses a body that is 2 above an equal body.
 TEST(ClearWorlds, boxes_at_exactly_the_distance_are_not_clear) {
     const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};

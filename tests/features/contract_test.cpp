@@ -163,7 +163,7 @@ TEST_P(FeatureErrors, filter_between_groups_needs_groups) {
     EXPECT_FALSE(detector_.find(none.view(), ProximityQuery{.filter = filter}).any)
         << "there is nothing to have groups";
 }
-/// All rows are the same vertex.
+/// All rows of the view refer to the same vertex in memory.
 TEST_P(FeatureErrors, too_many_moving_vertices_are_rejected) {
     MeshView mesh = soup_.view();
     mesh.vertices.rows = (std::int64_t{1} << 30) + 1;
@@ -188,8 +188,8 @@ TEST_P(FeatureErrors, stopped_calls_report_cancellation) {
 
 INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::ValuesIn(tested_backends), name_of_backend);
 
-/// All triangles are in one leaf, whose tests take about a second, since no floating-point filter can decide such
-/// numbers. Polls between leaves and chunks alone would be about three.
+/// All triangles are in one leaf. Its tests take about a second, since no floating-point filter can decide such large
+/// numbers. If the call polled only between leaves and chunks, it would poll about three times.
 TEST(FeatureCalls, stop_requests_are_polled_between_tests) {
     constexpr double unit = 0x1p600;
     MovingSoup<> soup = moving_grid(6, 60, 40, 2);
@@ -199,7 +199,7 @@ TEST(FeatureCalls, stop_requests_are_polled_between_tests) {
     Detector detector({.backend = tested_backend, .threads = 1});
     int polls = 0;
     detector.set_poll([&] { ++polls; });
-    // A machine that stalls meanwhile polls less.
+    // A call polls less often if the machine stalls, so it is repeated.
     for (int call = 0; call < 5 && polls < 8; ++call) {
         polls = 0;
         detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.min_distance = unit});

@@ -25,15 +25,15 @@
 namespace crumple {
 
 enum class Hard {
-    random,    ///< uniform in the cube
-    lattice,   ///< few coordinates: coplanar, parallel, degenerate, touching
+    random,    ///< uniform in [-0.9, 0.9]^3
+    lattice,   ///< multiples of 1/4 up to 1/2: coplanar, parallel, degenerate, touching
     touching,  ///< in contact at some time, except for rounding and a few units in the last place
     flat,      ///< in one plane, except for rounding
-    needles,   ///< next to one line
+    needles,   ///< close to one line
     tiny,      ///< the lattice times a power of two, down to subnormal numbers
     speck,     ///< random, of about the size at which squares of float32 numbers underflow
     mixed,     ///< each coordinate of its own magnitude
-    opposite,  ///< closest along the line through their centres, except for rounding; every third in contact
+    opposite,  ///< closest along the line through their centres, except for rounding; a third of them in contact
 };
 inline constexpr std::array all_hard{Hard::random, Hard::lattice, Hard::touching, Hard::flat,    Hard::needles,
                                      Hard::tiny,   Hard::speck,   Hard::mixed,    Hard::opposite};
@@ -52,10 +52,11 @@ inline const std::vector<const cpu::FeatureTables*>& feature_tables() {
     return all;
 }
 
-/// A pair of features, and the distance within which they may come, taken as exact.
+/// A pair of features, and a minimum distance: `distance` or `share` times the distance at the start, whichever is
+/// larger, both taken as exact.
 struct FeatureCase {
     FeatureKind kind;
-    int moments;  ///< 1: static, at the start positions
+    int moments;  ///< number of time samples; 1: static, at the start positions
     FeaturePoints point;
     float distance = 0;
     double share = 0;
@@ -83,8 +84,8 @@ class RandomCases {
     int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
     double real(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
 
-    /// Returns a random case: every other time without a distance, otherwise with a random one or one next to the
-    /// distance at the start.
+    /// Returns a random case. Half of the cases have no minimum distance; the others have a random one, or one close to
+    /// the distance of the features at the start.
     FeatureCase operator()(FeatureKind kind, int moments) {
         begin();
         FeatureCase c{kind, moments, {}};
@@ -167,7 +168,7 @@ class RandomCases {
         const Vec3d y = std::cos(tilt) * across + Vec3d{0, 0, std::sin(tilt)}, z = cross(x, y);
         const Vec3d from{real(-0.3, 0.3), real(-0.3, 0.3), real(-0.3, 0.3)}, way{real(-0.2, 0.2), 0.1, real(-0.2, 0.2)};
         const Vec3d base = from + height * z, wide = real(0.01, 0.3) * x, up = real(0.01, 0.3) * z;
-        const bool upright = below(2);  // one feature stands on its end or on a side; otherwise it lies
+        const bool upright = below(2);  // a face stands on a side, an edge on an end; otherwise both lie flat
         std::array<Vec3d, 4> at;
         if (c.kind == FeatureKind::vertex_face)
             at = {from, base - wide, base + wide, base + (upright ? up : real(0, 0.3) * y)};

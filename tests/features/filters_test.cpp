@@ -1,5 +1,5 @@
-// Tests of the filters of pairs of features, for every table of kernels: rejected pairs are apart, and most pairs apart
-// are rejected.
+// Tests of the filters of pairs of features, for every table of kernels: they reject only pairs that are apart, and
+// most of these.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace crumple {
 namespace {
 
-/// Cases of one kind, with one number of time samples and one distance, as rows that kernels read.
+/// Points of cases, as rows that kernels read. All cases have the same kind of features and number of time samples.
 class Rows {
    public:
     Rows(std::span<const FeatureCase> cases, bool float32) : ends_(4 * static_cast<std::int64_t>(cases.size())) {
@@ -34,8 +34,9 @@ class Rows {
     }
     std::int64_t ends() const { return ends_; }
 
-    /// Returns for each case whether the table keeps it. All cases have one distance, or with `each` their own.
-    /// `flush`: subnormal numbers are 0, as in the library's calls, but not on devices, which run the per-pair sources.
+    /// Returns, for each case, true if the filters of the table keep it. With `each`, every case has its own distance;
+    /// otherwise all have that of the first case. With `flush`, subnormal numbers are 0, as in the library's calls.
+    /// Devices, which compile the filters for one pair, do not flush them.
     std::vector<bool> kept(const cpu::FeatureTables& table, std::span<const FeatureCase> cases, bool flush = true,
                            bool each = false) const {
         const auto kind = static_cast<std::size_t>(cases.front().kind);
@@ -61,7 +62,8 @@ class Rows {
         return kept;
     }
 
-    /// Returns the same for tests that are listed but not written out, each with two triangles of its own.
+    /// Returns the same as kept(), from the kernels that read vertices through the records of two triangles. Each case
+    /// gets two triangles of its own.
     template <int moments>
     std::vector<bool> kept_of_listed(const cpu::FeatureKernels<moments>& kernels,
                                      std::span<const FeatureCase> cases) const {
@@ -251,7 +253,8 @@ TEST(FeatureFiltersReject, features_never_in_one_plane_are_rejected) {
         }
 }
 
-// At one end the vertex is above the centre of the face; at the other end the direction between them does not separate.
+// At one end of the step the vertex is above the centre of the face, and the direction between their centres separates
+// them. At the other end the direction between their centres does not.
 TEST(FeatureFiltersReject, features_separated_by_a_direction_of_one_end_are_rejected) {
     const Vec3d n = normal();
     FeatureCase c = stacked(FeatureKind::vertex_face, 0.02);
@@ -267,8 +270,8 @@ TEST(FeatureFiltersReject, features_separated_by_a_direction_of_one_end_are_reje
 const Vec3d e = 1 / std::sqrt(3) * Vec3d{1, 1, 1}, f = 1 / std::sqrt(2) * Vec3d{1, -1, 0};
 
 /// In one plane, a vertex next to an edge of a face, or an edge that starts next to another one: their boxes overlap,
-/// and so do their projections onto the line through their centres. `edge`: which edge of the face, or which of both
-/// edges.
+/// and so do their projections onto the line through their centres. `edge`: index of the face's edge, or of the edge
+/// that the other one starts next to.
 FeatureCase beside_an_edge(FeatureKind kind, std::size_t edge) {
     if (kind == FeatureKind::edge_edge) {
         FeatureCase c{kind, 1, {{{-1.0 * e, {}}, {e, {}}, {0.8 * e + 0.02 * f, {}}, {0.2 * e + 0.5 * f, {}}}}};
@@ -293,7 +296,8 @@ TEST(FeatureFiltersReject, features_beside_an_edge_are_rejected) {
         }
 }
 
-// At the other end the edges have another direction, in which nothing separates.
+// During the step the features are scaled in their plane and moved along its normal. The direction across the edge
+// separates them at both ends.
 TEST(FeatureFiltersReject, features_beside_an_edge_at_one_end_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {

@@ -56,7 +56,8 @@ TEST_P(FindNear, closest_points_are_given) {
         EXPECT_EQ(faces.type[i], static_cast<std::uint8_t>(VertexFaceType::P_T));
         EXPECT_EQ(faces.at[i], (std::array{two.vertices[3 + i][0] / 8, two.vertices[3 + i][1] / 8}));
     }
-    // The edge from (1, 2, 0.5) to (1, 4, 1) and the edge along the y axis: its ends are at distances 1.118 and 1.414.
+    // The ends of the edge from (1, 2, 0.5) to (1, 4, 1) are at distances 1.118 and 1.414 from the edge along the y
+    // axis.
     const ProximityList& edges = detector.find(two.mesh, ProximityQuery{.radius = 1.12, .closest = true}).edge_edges();
     ASSERT_EQ(edges.pairs.size(), 2);  // pairs with the two edges that end there
     for (std::size_t i = 0; i < 2; ++i) {
@@ -73,7 +74,7 @@ TEST_P(FindNear, least_distance_of_each_feature_is_given) {
     EXPECT_EQ(list(nearby.vertex_distance), (std::vector{none, none, none, 0.5, 1.0, 1.0}));
     EXPECT_EQ(list(nearby.face_distance), (std::vector{0.5, none}));
     ASSERT_EQ(nearby.edge_distance.size(), 6);
-    const double root = 0x1.1e3779b97f4a7p+0;  // of 1.25, rounded down
+    const double root = 0x1.1e3779b97f4a7p+0;  // square root of 1.25, rounded down
     EXPECT_EQ(list(nearby.edge_distance), (std::vector{none, root, none, root, root, none}));
     EXPECT_TRUE(detector.find(two.mesh, ProximityQuery{.radius = 1}).vertex_distance.empty());
 }

@@ -1,5 +1,5 @@
-// Tests of inflated balls and boxes for queries within a distance: those of near triangles overlap, and they are hardly
-// larger than necessary.
+// Tests of inflated balls and boxes for queries within a distance: the balls and boxes of near triangles overlap, and
+// they are hardly larger than necessary.
 
 #include "geometry/inflation.h"
 
@@ -39,7 +39,8 @@ bool balls_overlap(const TriangleCase& c, const Inflation& inflation) {
     return dot(between, between) <= sum_of_radii * sum_of_radii;
 }
 
-// Stage `sort` lowers starts relative to ends by at least 20 u M (docs/align.md).
+// True if the boxes overlap in stage `sort`, which lowers the start of each box relative to its end by at least 20 ·
+// 2^-24 times the largest coordinate of the leaf (docs/align.md).
 template <int moments>
 bool boxes_overlap(const cpu::FeatureTables& table, const TriangleCase& c, bool float32, const LeafFrame& frame,
                    const Inflation& inflation) {
@@ -153,7 +154,7 @@ TEST(InflationOfRadii, inflation_is_the_largest_radius_of_a_triangle_rounded_up)
     EXPECT_LE(RadiiOfTwo(std::vector<double>(6, 1e308)).of(0), 4);
 }
 
-// The radii of the two triangles add up to the distance.
+// The radii of the two triangles add up to the distance within which they may be near.
 TEST_P(InflatedTriangles, near_triangles_with_radii_have_overlapping_balls_and_boxes) {
     int near = 0;
     for (const bool float32 : {true, false})
@@ -180,8 +181,8 @@ TEST_P(InflatedTriangles, near_triangles_with_radii_have_overlapping_balls_and_b
     EXPECT_GT(near, 50);
 }
 
-// The square of the motion is flushed to zero, yet the vertex comes within the minimum distance: it moves by 6e-20, and
-// the share leaves 2^-53 of the distance 5e-4, less than 5.6e-20.
+// The square of the motion is flushed to zero, yet the vertex comes within the minimum distance. It moves by 6e-20; the
+// minimum distance is 1 - 2^-53 times the initial distance 5e-4, which is less by 5.6e-20 only.
 TEST(Inflation, motion_whose_square_underflows_is_covered) {
     TriangleCase c{2, {}, {0, 1 - 0x1p-53}};
     const auto at = [](double x, double y, double z) { return MovingPoint{{x, y, z}, {x, y, z}}; };
@@ -194,9 +195,10 @@ TEST(Inflation, motion_whose_square_underflows_is_covered) {
     for (const bool float32 : {true, false}) EXPECT_TRUE(boxes_overlap(c, float32, straight, inflation));
 }
 
-// Inflation covers no motion beyond that of the corners, and no approach beyond what their motions allow.
+// Boxes overlap if two triangles approach to exactly the given share of their distance, but not if they move slightly
+// less.
 TEST(Inflation, inflation_for_a_distance_share_is_tight) {
-    // Two triangles approach each other by an eighth each, from a distance of a half to half of that.
+    // Two triangles approach each other by 1/8 each, from the distance 1/2 to 1/4.
     TriangleCase c{2, {}, {0, 0.5}};
     const auto corner = [](double x, double y, double z, double way) {
         return MovingPoint{{x, y, z}, {x, y, z + way}};

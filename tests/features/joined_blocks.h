@@ -12,7 +12,7 @@
 
 namespace crumple::test {
 
-// Arrays of a list that blocks have.
+// Returns the arrays of a list that have one element per row; blocks have only these.
 inline auto rows_of(ImpactList& l) { return std::tie(l.pairs, l.bodies, l.toi, l.start); }
 inline auto rows_of(ProximityList& l) {
     return std::tie(l.pairs, l.bodies, l.squared_distance, l.touching, l.type, l.at);
@@ -92,7 +92,7 @@ struct Joined {
     }
 };
 
-/// Returns the part of a whole result that blocks have.
+/// Returns a whole result without the members that blocks do not have.
 inline Candidates of_blocks(const Candidates& result) { return result; }
 inline Proximities of_blocks(const Proximities& result) {
     Proximities all = result;
@@ -133,7 +133,7 @@ struct BothCalls {
     }
 };
 
-/// Expects blocks of `size` rows from the detector to make up the result.
+/// Expects the detector to deliver blocks of `size` rows that together are the result.
 template <class Result>
 void expect_blocks(const BothCalls<Result>& calls, const Result& expected, Detector& by, std::int64_t size) {
     SCOPED_TRACE(testing::Message() << "blocks of " << size);

@@ -312,7 +312,8 @@ TYPED_TEST(NearFilterAgreement, rest_shapes_match_brute_force) {
         });
 }
 
-/// Rods and particles: paths follow codimensional edges and the sides of all faces.
+/// Soups with codimensional edges and points. Paths, which rings are counted along, follow codimensional edges and the
+/// sides of all faces.
 TYPED_TEST(NearFilterAgreement, codimensional_features_match_brute_force) {
     for_each_small_soup<TypeParam>(60, [&](const auto& move, unsigned seed) {
         auto soup = move.soup;

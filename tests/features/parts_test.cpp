@@ -1,5 +1,5 @@
-// Tests of public parts for feature queries: together they have the rows of the whole result, byte by byte, without
-// duplicates; and each is searched without the mesh.
+// Tests of public parts (Detector::partition) for feature queries: each part can be searched without the mesh, and the
+// results of all parts together have the rows of the whole result, byte by byte, without duplicates.
 
 #include <gtest/gtest.h>
 
@@ -237,7 +237,7 @@ TEST(PartOfFeatures, output_may_be_first_or_any) {
     }
 }
 
-/// A query may have smaller distances than the part was made for.
+/// A query about a part may have smaller distances than the query that the part was made for.
 TEST(PartOfFeatures, smaller_distances_may_be_queried) {
     const auto soup = moving_grid(5, 60, 70, 6);
     const auto parts = partition(soup, ImpactQuery{.min_distance = 1, .min_distance_share = 0.3}, 5);

@@ -111,7 +111,7 @@ TEST(SceneFeatures, features_follow_changed_triangles) {
 
 Rational squared(const Vec3<Rational>& v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-/// Random steps: points of triangles at the start and at the end.
+/// Checks the corners of random moving triangles, at the start and at the end.
 TEST(SweptBalls, balls_hold_their_triangles_throughout_the_step) {
     Draw draw(33);
     for (int i = 0; i < 3000; ++i) {
@@ -134,9 +134,9 @@ TEST(SweptBalls, balls_hold_their_triangles_throughout_the_step) {
         const Vec3<Rational> centre = value({ball.x, ball.y, ball.z});
         Rational longest = 0;
         for (int k = 0; k < 3; ++k) longest = std::max(longest, squared(value(end[k]) - value(start[k])));
-        // The radius must be at least a point's distance plus the inflation. Compares the square of the radius beyond
-        // the constant part of the inflation with lower bounds of the distance and of the part proportional to the
-        // motion.
+        // The radius must be at least the distance |p - c| of a corner p from the centre c, plus the inflation: a
+        // constant part, and `share` times the longest path `way` of a corner. `beyond`: the radius without the
+        // constant part.
         for (int k = 0; k < 3; ++k)
             for (const Vec3f& p : {start[k], end[k]}) {
                 const Rational beyond = Rational(ball.r) - Rational(inflation.half);

@@ -1,5 +1,5 @@
-// Tests of dropping pairs of triangles that a direction separates, for every table of kernels: dropped pairs have no
-// near features, and most pairs apart are dropped.
+// Tests of the filter that drops pairs of triangles which a direction separates, for every table of kernels: dropped
+// pairs have no near features, and most pairs without near features are dropped.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,8 @@
 namespace crumple {
 namespace {
 
-/// Returns how many tables drop the pair; `frame`: frame of their leaf, which has no other members.
+/// Returns the number of tables of kernels that drop the pair. `frame`: frame of the leaf, whose only members are the
+/// two triangles.
 template <int moments>
 std::size_t dropping(const TriangleCase& c, bool float32, const LeafFrame& frame) {
     std::size_t count = 0;
@@ -72,8 +73,8 @@ TEST_P(SeparatedTriangles, dropped_pairs_do_not_approach_to_the_distance_share) 
     }
 }
 
-// One of two triangles around a hard pair of features gets corners of the other, where it has none of the pair's
-// vertices.
+// Of two triangles around a hard pair of features, the first gets one or two corners of the second. They replace
+// corners that do not belong to the hard pair.
 TEST_P(SeparatedTriangles, dropped_pairs_with_common_corners_have_no_near_features) {
     int cases = 0, near = 0, dropped = 0, differ = 0;
     for (const bool float32 : {true, false})
@@ -128,7 +129,7 @@ TEST(TrianglesApart, triangles_on_either_side_of_a_common_corner_are_dropped) {
             }
 }
 
-// Directions at the common corner separate the triangles by more than a distance of 0.2, but not of 0.3.
+// Directions at the common corner separate the triangles by more than 0.2, but not by 0.3.
 TEST(TrianglesApart, triangles_too_close_at_a_common_corner_are_not_dropped) {
     EXPECT_EQ(dropping(fan(120, 180, {}, 0.2), false, around({})), feature_tables().size());
     const TriangleCase c = fan(120, 180, {}, 0.3);
@@ -202,8 +203,8 @@ TEST(TrianglesApart, triangles_separated_by_a_normal_are_dropped) {
         }
 }
 
-// Both triangles are tilted at the start. At the end one of them is not, and only its normal separates them at both
-// times.
+// Both triangles are tilted at the start. At the end one of them is not tilted, and only its normal separates the
+// triangles at both times.
 TEST(TrianglesApart, triangles_separated_by_a_normal_of_one_end_are_dropped) {
     const Vec3d u{0.6, 0.1, 0.3}, v{-0.2, 0.5, 0.2}, n = (1 / std::sqrt(dot(cross(u, v), cross(u, v)))) * cross(u, v);
     const double at_start[] = {0, 0.1, 0.3}, at_end[] = {0.3, 0.2, 0};
@@ -224,7 +225,8 @@ TEST(TrianglesApart, triangles_separated_by_a_normal_of_one_end_are_dropped) {
     }
 }
 
-// A quarter turn about the x axis during the step, so that only directions of one end separate.
+// One triangle turns about the x axis by a quarter turn during the step, so that only directions at one end of the step
+// separate the triangles.
 TEST(TrianglesApart, triangles_separated_by_a_direction_of_one_end_are_dropped) {
     TriangleCase c{2, {}, {0.05, 0}};
     for (std::size_t k = 0; k < 3; ++k) {

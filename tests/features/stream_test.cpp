@@ -15,7 +15,7 @@
 namespace crumple::test {
 namespace {
 
-// Captures soups and queries by reference: they outlive the calls.
+// Captures soups by reference: they outlive the calls.
 template <class Scalar>
 BothCalls<Impacts> impacts(const MovingSoup<Scalar>& soup, const ImpactQuery& query) {
     return {
@@ -173,7 +173,7 @@ TEST(StreamOfFeatures, rows_of_one_feature_may_span_blocks) {
     ASSERT_GT(*std::max_element(of_edge.begin(), of_edge.end()), 500);
     const BothCalls<Candidates> boxes = candidates(soup, true, {.kinds = {CandidateKind::face_face}});
     const Candidates listed = boxes.find(plain());
-    ASSERT_GT(listed.count, 1000);  // 200 of them of the giant triangle
+    ASSERT_GT(listed.count, 1000);  // 200 of them with the giant triangle
     for (Detector* detector : streaming())
         for (const std::int64_t size : {30, 90}) {
             expect_blocks<Proximities>(calls, expected, *detector, size);
@@ -308,8 +308,7 @@ TEST(StreamOfFeatures, stream_fits_a_limit_too_small_for_the_whole_result) {
     expect_within_limit(candidates(soup, true, {}));
 }
 
-// A worker's rows are moved into a block before it searches on; what counts towards the limit does not depend on which
-// worker found it.
+// A worker moves its rows into a block before it continues the search, so only few rows are in memory at any time.
 TEST(StreamOfFeatures, peak_memory_is_far_below_that_of_the_whole_result) {
     const MovingSoup<> soup = in_general(1500, 0.5, 0.3, 7);
     Detector find({.threads = 1}), stream({.threads = 1});

@@ -1,5 +1,5 @@
-// Tests of listing the feature tests of pairs of triangles: over a whole scene, each test of features that are not
-// incident is listed exactly once.
+// Tests of the lists of feature tests, the pairs of features that must be decided for pairs of triangles: over all
+// pairs of triangles of a scene, each pair of features without a common vertex is listed exactly once.
 
 #include "filters/features/tests_of_pair.h"
 
@@ -17,7 +17,7 @@
 namespace crumple {
 namespace {
 
-/// Pair of features, and the vertices of both.
+/// Ids of a pair of features, and the four vertices of both.
 using Line = std::array<std::int32_t, 6>;
 
 Line line_of(const FeatureTest& test) {
@@ -40,7 +40,7 @@ test::Soup<float> tangle(unsigned seed, int vertices, int triangles) {
     return soup;
 }
 
-/// Features of a scene, and its tests by brute force, sorted.
+/// A scene, and sorted lists of its feature tests, by brute force and by the code under test.
 class Tangle {
    public:
     Tangle(const test::Soup<float>& soup, bool weld) : features(nullptr) {
@@ -77,7 +77,7 @@ class Tangle {
         return lines;
     }
 
-    /// Lists the tests by pairs of triangles, with the lower triangle first or second.
+    /// Lists the tests for one pair of triangles after another, with the lower triangle as the first or second one.
     std::array<std::vector<Line>, feature_kinds> listed(bool lower_first) const {
         std::array<std::vector<Line>, feature_kinds> lines;
         const auto name = [&](std::int32_t vertex) { return features.name(vertex); };
@@ -93,7 +93,7 @@ class Tangle {
         return lines;
     }
 
-    /// Lists the tests by a table of kernels, in one batch.
+    /// Lists the tests for all pairs of triangles in one batch, by the kernels of a table.
     std::array<std::vector<Line>, feature_kinds> listed_by(const cpu::FeatureTables& table) const {
         const std::int64_t n = scene.triangle_count();
         std::vector<FeatureRecord<1>> records;

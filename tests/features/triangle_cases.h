@@ -92,7 +92,8 @@ inline constexpr float most = std::numeric_limits<float>::max();
 /// Returns a frame along the coordinate axes.
 constexpr LeafFrame around(Vec3f origin, float big = most) { return {origin, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, big}; }
 
-/// Records of a leaf with these two triangles, and whether tables of kernels separate them.
+/// A leaf with the two triangles of a case: records and boxes, made by the kernels of a table, and the decision of
+/// these kernels whether a direction separates the triangles.
 template <int moments>
 class LeafOfTwo {
    public:

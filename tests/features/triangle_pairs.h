@@ -1,7 +1,7 @@
 #pragma once
 
-// Pairs of triangles of a step by definition: those that intersect at the start, by brute force, and for each impact
-// every two triangles that have its features.
+// Definition of the triangle pairs of a step (ImpactQuery::triangle_pairs): those that intersect at the start, found by
+// brute force, and, for each impact, every two triangles that have its features.
 
 #include <map>
 
@@ -16,7 +16,7 @@ struct TrianglePair {
 };
 using TrianglePairs = std::map<Pair, TrianglePair>;
 
-/// Returns the pairs of triangles of a step. `impacts`: the impacts of the soup to consider, with its edges.
+/// Returns the triangle pairs of a step. `impacts`: the impacts to consider, and the edges of the soup.
 template <class Scalar>
 TrianglePairs triangle_pairs_of(const MovingSoup<Scalar>& soup, const Impacts& impacts, bool weld) {
     TrianglePairs all;
@@ -25,7 +25,7 @@ TrianglePairs triangle_pairs_of(const MovingSoup<Scalar>& soup, const Impacts& i
         const auto [at, fresh] = all.insert({{std::min(s, t), std::max(s, t)}, {toi, start}});
         if (!fresh && toi <= at->second.toi) at->second = {toi, start || (toi == at->second.toi && at->second.start)};
     };
-    // Merges vertices that count as one.
+    // With welding, replaces vertices that have the same positions at both times by one of them.
     std::map<std::pair<PointOf<Scalar>, PointOf<Scalar>>, std::int32_t> lowest;
     MovingSoup<Scalar> named = soup;
     if (weld)

@@ -1,4 +1,5 @@
-// Compares rings about vertices with a plain walk along edges, and tests when rings are recomputed.
+// Compares rings about a vertex, the vertices within a number of edges from it, with a plain walk along edges. Tests
+// when rings are recomputed.
 
 #include "scene/vertex_rings.h"
 

@@ -243,7 +243,7 @@ void expect_edges(const Result& result, const std::vector<std::vector<Edge>>& ex
     }
     EXPECT_EQ(result.first_edge.back(), static_cast<std::int64_t>(result.edges.size()));
 }
-/// Returns the first row of each world that has rows.
+/// Returns, for each world with rows, the row with the lowest value, and of several the first.
 std::map<std::int64_t, Line> first_by_world(const std::vector<Line>& lines) {
     std::map<std::int64_t, Line> first;
     for (const Line& line : lines) {
@@ -327,8 +327,8 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         expect_hits(detector.find(world, motion).world_hit, lines);
     }
 
-    // Compares proximities with radii of shapes and with rings of adjacent triangles, which are those of the soup. The
-    // rest shape is the shape at the end.
+    // Compares proximities of worlds with those of the soup, with radii, rings of adjacent triangles, and rest shapes.
+    // The shape at the end of the step is used as the rest shape.
     static void compare_radii(const World& world, const Together& together, const PairFilter& filter,
                               Detector& detector, Detector& single) {
         Dice dice(GetParam());
@@ -432,7 +432,8 @@ TEST(FeaturesOfWorlds, static_worlds_have_impacts_at_the_start_only) {
     EXPECT_GT(impacts, 100);
 }
 
-/// A filter about groups turns the mesh into a world internally, which must not show in the result.
+/// With a filter about groups, the search internally turns the mesh into a world. The result must still be that of a
+/// mesh.
 TEST(FeaturesOfOneMesh, group_filters_do_not_change_the_form_of_results) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 5);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));

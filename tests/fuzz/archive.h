@@ -1,7 +1,7 @@
 #pragma once
 
-// Writes zip archives and gzip members of stored (uncompressed) data with valid checksums, so that mutated contents get
-// past the checks of the readers.
+// Writes zip archives and gzip members of stored (uncompressed) data with valid checksums, so that readers do not
+// refuse mutated contents because of a checksum.
 
 #include <array>
 #include <cstdint>

@@ -10,8 +10,9 @@ void put(std::byte* at, Value value) {
     std::memcpy(at, &value, sizeof value);
 }
 
-/// Stores rows of three values of `size` bytes: contiguous, by column, in records, with rows reversed, unaligned, or
-/// with columns reversed. Sets the address and the strides of `view`; `store(row, column, at)` writes a value.
+/// Stores rows of three values of `size` bytes in one of six arrangements: contiguous, by column, in records, with rows
+/// reversed, unaligned, or with columns reversed. Calls store(row, column, at) to write each value at an address, and
+/// sets the address and the strides of `view`.
 template <class View, class Store>
 void place_arrays(std::vector<std::byte>& block, View& view, int arrangement, std::int64_t rows, std::int64_t size,
                   Store store) {

@@ -84,7 +84,7 @@ void require_welded(const WorldMesh& world, const WorldMesh& before) {
 
 void require_kept_by_writer(const WorldMesh& given) {
     WorldMesh world = given;
-    world.unit = io::Unit::metre;  // others are scaled
+    world.unit = io::Unit::metre;  // worlds in other units would be converted
     std::ostringstream out;
     try {
         io::write_coloured(out, world, free_of(world), io::MeshFormat::glb);

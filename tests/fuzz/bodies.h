@@ -13,14 +13,16 @@ namespace crumple::fuzz {
 /// Requires valid shapes, bodies that refer to one of them, unique names and finite poses.
 void require_sound(const io::WorldMesh& world);
 
-/// Requires the bodies of `before` over shapes with the same corners, and no two vertices at one position.
+/// Requires `world` to be `before` after welding: the same bodies, shapes with corners at the same positions, and no
+/// two vertices of a shape at one position.
 void require_welded(const io::WorldMesh& world, const io::WorldMesh& before);
 
-/// Requires bodies with triangles to survive writing as .glb and reading: names, and for float32 shapes poses and
-/// corners.
+/// Writes the world as .glb and reads it. Requires bodies with triangles to keep their names and, if their shapes are
+/// float32, their poses and corners.
 void require_kept_by_writer(const io::WorldMesh& world);
 
-/// Requires finite poses and whole configurations, which survive writing as text and as .npy and reading.
+/// Requires finite poses, a multiple of the number of bodies. Requires that they do not change when they are written,
+/// as text and as .npy, and read.
 void require_kept(const std::vector<Pose>& poses, std::span<const std::string> bodies);
 
 }  // namespace crumple::fuzz

@@ -1,7 +1,7 @@
 #pragma once
 
-// Wraps mutated contents in the containers of file formats with lengths that fit, so that a changed byte breaks no
-// length.
+// Wraps mutated contents in the containers of file formats. The lengths that a container states are always those of the
+// contents, so that readers do not refuse mutated contents because of a length.
 
 #include <algorithm>
 #include <cstdint>
@@ -34,8 +34,8 @@ inline std::string npy_header(const std::string& description) {
            description + '\n';
 }
 
-/// Returns a .npy file of as many poses as there are bytes for. The first byte chooses the type of the numbers and the
-/// shape.
+/// Returns a .npy file with as many poses as `bytes` can hold. The first byte chooses the type of the numbers and the
+/// shape of the array.
 inline std::string npy_of_poses(std::string_view bytes) {
     constexpr const char* types[] = {"<f8", "<f4", ">f8", ">f4"};
     constexpr const char* rows[] = {", 12)", ", 3, 4)", ", 16)", ", 4, 4)"};

@@ -11,8 +11,8 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// The first `tame` ones are of similar size, so that the integers of rational arithmetic stay short and a search takes
-/// a tenth of a millisecond.
+/// Numbers at limits of filters, expansions or float32. The first `tame` of them are of moderate size, so that the
+/// integers of rational arithmetic stay short and a search takes about 0.1 ms.
 constexpr double hostile[] = {
     0.0,         -0.0,      1.0,      -1.0,      2.0,        -2.0,        3.0,
     0.5,         -0.5,      1.0 / 3,  0.1,       0x1p-24,    0x1p-52,     0x1p23,
@@ -51,7 +51,7 @@ double moved_by_ulps(double x, int ulps, bool single) {
     return x;
 }
 
-/// Returns a finite number of any bits, of moderate size unless wild.
+/// Returns a finite number made from the next bytes: of moderate size, or with these bits if style.wild.
 double raw(Bytes& bytes, Style style) {
     std::uint64_t bits = 0;
     for (int i = 0; i < (style.single ? 4 : 8); ++i) bits = bits << 8 | bytes.next();
@@ -69,7 +69,7 @@ double raw(Bytes& bytes, Style style) {
     return std::isfinite(value) ? value : static_cast<double>(bits & 0xffff);
 }
 
-/// Returns a vertex near, between or beyond earlier ones, which rounding makes almost collinear or coplanar with them.
+/// Returns a vertex between, beyond or near earlier vertices: collinear or coplanar with them up to rounding.
 Point derived(Bytes& bytes, const std::vector<Point>& vertices, Style style) {
     if (vertices.empty()) return {};
     const auto earlier = [&] { return vertices[static_cast<std::size_t>(bytes.next()) % vertices.size()]; };
@@ -191,7 +191,7 @@ Frame next_frame(Bytes& bytes, const Kind& kind, Frame frame) {
     return frame;
 }
 
-/// Introduces an error of the input, which both backends must report alike.
+/// Makes the input invalid. Both backends must report the same error.
 void spoil(Bytes& bytes, Frame& frame) {
     Mesh& mesh = frame[static_cast<std::size_t>(bytes.next()) % frame.size()];
     const auto place = static_cast<std::size_t>(bytes.next());
@@ -255,9 +255,9 @@ Search::Search(Bytes bytes) {
     kind.between = how & 64;
     const bool spoilt = bytes.next() == 255;
     const int extras = bytes.next();
-    // Each part costs one search, and each memory limit about five. Inputs that request many parts reach more code than
-    // others and would dominate the corpus. A checksum therefore chooses which of them are run: libFuzzer cannot learn
-    // it as it would a byte.
+    // Each part costs one search, and each memory limit about five. Inputs with many parts reach more code than others,
+    // so libFuzzer would prefer them. Therefore a checksum of the input decides whether such expensive checks are done:
+    // unlike the value of a byte, libFuzzer cannot learn a checksum.
     const std::uint32_t share = bytes.checksum();
     if (share / 32 % 8 == 0) block_rows = 1 + share / 256 % 40;
     if (extras & 1) parts = 1 + bytes.next() % 64 / (share % 16 == 0 ? 1 : 16);

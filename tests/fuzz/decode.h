@@ -23,7 +23,7 @@ class Bytes {
     bool flag() { return next() & 1; }
     /// Returns a checksum of all bytes, read or not.
     std::uint32_t checksum() const {
-        std::uint32_t sum = 2166136261u;  // FNV-1a, its upper half folded: the lowest bits alone are poor
+        std::uint32_t sum = 2166136261u;  // FNV-1a; the upper half is folded in, as its lowest bits are poor
         for (const std::uint8_t byte : bytes_) sum = (sum ^ byte) * 16777619u;
         return sum ^ sum >> 16;
     }
@@ -40,7 +40,7 @@ class Bytes {
 /// Memory layout of the arrays of a mesh.
 struct Layout {
     IndexType index = IndexType::int32;
-    int vertices = 0, triangles = 0;  ///< an arrangement of rows and columns (see Arrays)
+    int vertices = 0, triangles = 0;  ///< index of one of the six arrangements in arrays.cpp
     bool operator==(const Layout&) const = default;
 };
 
@@ -52,7 +52,8 @@ struct Mesh {
     Layout layout;
 };
 
-/// Arrays of a mesh in its layout, each in its own block of exactly the needed size.
+/// Arrays of a mesh in its layout. Each is an allocation of exactly the needed size, so that AddressSanitizer detects
+/// accesses outside of it.
 class Arrays {
    public:
     explicit Arrays(const Mesh& mesh);
@@ -66,7 +67,7 @@ class Arrays {
 
 inline constexpr std::int32_t group_ids[] = {0, 1, 2, -1, INT32_MAX, INT32_MIN};
 
-/// Common properties of the meshes of a search. Arrays have one element for each side.
+/// Common properties of the meshes of a search. Arrays have one element for each side, the first and the second mesh.
 struct Kind {
     bool between = false;
     std::array<bool, 2> single{};
@@ -83,10 +84,10 @@ Mesh mesh(Bytes& bytes, const Kind& kind, std::size_t side);
 /// Decodes options of the cpu backend.
 Options options(Bytes& bytes);
 
-/// Returns a number at a limit of filters, expansions or float32: one of moderate size unless `wild`.
+/// Returns a number at a limit of filters, expansions or float32. Without `wild`, it is of moderate size.
 double hostile_number(Bytes& bytes, bool wild);
 
-/// One or two meshes.
+/// One or two meshes at one time of an animation.
 using Frame = std::vector<Mesh>;
 
 struct Search {
@@ -96,7 +97,7 @@ struct Search {
     std::vector<GroupPair> excluded;
     int parts = 0;                   ///< number of parts; 0: no search by parts
     std::int64_t block_rows = 0;     ///< most rows of a streamed block; 0: no streaming
-    std::int64_t memory_limit = -1;  ///< bytes, of a further detector; -1: none
+    std::int64_t memory_limit = -1;  ///< limit of an additional detector, in bytes; -1: no such detector
     std::vector<Frame> frames;
 
     explicit Search(Bytes bytes);

@@ -7,14 +7,15 @@
 namespace crumple::fuzz {
 namespace {
 
-/// Returns a factor of similar size as the coordinates of shapes unless `mixed`. Mixed sizes make rational arithmetic
-/// ten times as slow, so that only an eighth of the inputs have them.
+/// Returns an element of a pose: a number of moderate size or, if `mixed`, one of very different sizes. Mixed sizes
+/// make rational arithmetic ten times as slow, so only an eighth of the inputs have them.
 double number(Bytes& bytes, bool mixed) {
     constexpr double numbers[] = {0, -0.0, 1, -1, 2, -3, 0.5, 1.0 / 3, 0.1, 1 + 0x1p-52, 1 - 0x1p-53, 1 + 0x1p-23};
     return mixed ? hostile_number(bytes, false) : bytes.one_of(numbers);
 }
 
-/// Rotates by a quaternion of small integers: right angles and others, with rounded entries.
+/// Sets the pose to a rotation by a quaternion of small integers: by right angles, or by angles whose matrix is
+/// rounded.
 void turn(Bytes& bytes, Pose& pose) {
     double q[4], length2 = 0;
     for (double& c : q) c = bytes.below(7) - 3, length2 += c * c;
@@ -110,7 +111,7 @@ std::vector<Body> some_bodies(Bytes& bytes, int shapes) {
     return result;
 }
 
-/// Introduces an error of the input; which one, a byte chooses.
+/// Makes the input invalid, in a way that the next byte chooses.
 void spoil(Bytes& bytes, Bodies& bodies) {
     const int byte = bytes.next();
     const auto place = static_cast<std::size_t>(bytes.next());

@@ -19,7 +19,7 @@ struct Call {
 
 struct Bodies {
     Options options;
-    std::int64_t memory_limit = -1;  ///< bytes, of a second detector; -1: none
+    std::int64_t memory_limit = -1;  ///< limit of a second detector, in bytes; -1: no such detector
     std::vector<Mesh> shapes;
     std::vector<std::uint64_t> names;  ///< names of the shapes; 0: unnamed
     std::vector<Body> bodies;

@@ -50,7 +50,7 @@ void require_sound(const Row& row, bool has_bodies) {
     }
 }
 
-/// Returns a result with these rows. Each edge of a row becomes a new edge of the result.
+/// Returns a result with the rows of `list`. Each edge that a row names becomes a new edge of the result.
 template <class Result, class Rows, class Add>
 Result result_of(const Rows& list, Add add) {
     Result result;
@@ -77,8 +77,8 @@ Result result_of(const Rows& list, Add add) {
     return result;
 }
 
-/// Writes with `write(out, format)` and reads with `read(bytes, name)`. Requires `rows(list, format)` of both lists to
-/// be equal.
+/// Sorts the rows by kind; in each format, writes them by write(out, format) and reads them by read(bytes, name).
+/// Requires rows(list, format) to be equal for the list before and after.
 template <class Rows, class Write, class Read, class Same>
 void require_kept(Rows list, Write write, Read read, Same rows) {
     std::stable_sort(list.rows.begin(), list.rows.end(), [](const auto& a, const auto& b) { return a.kind < b.kind; });

@@ -15,8 +15,8 @@ io::FeatureList read_impacts(std::string_view bytes, const std::string& name);
 io::FeatureList read_near(std::string_view bytes, const std::string& name);
 io::CandidateRows read_candidates(std::string_view bytes, const std::string& name);
 
-/// Requires ids in range and edges in order, and possible numbers. Rows, sorted by kind, must survive in each format: a
-/// result that has them is written and read again.
+/// Requires valid ids, edges whose vertices are in ascending order, and possible values. Then makes a result with these
+/// rows, writes it in each format and reads it. Requires the same rows, sorted by kind.
 void require_kept(const io::FeatureList& rows, bool impacts);
 void require_kept(const io::CandidateRows& rows);
 

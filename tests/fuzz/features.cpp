@@ -1,6 +1,7 @@
-// Fuzz target: features that touch in motion or are near, of a mesh and of two of its bodies. Broken promises besides
-// what the sanitizers see: a result of the cpu backend that differs in a byte from brute force in rational arithmetic,
-// an error that the other backend does not give, a free step that is not free.
+// Fuzz target: features that touch in motion or are near, in one mesh and between two bodies that have this mesh as
+// their shape. Broken promises besides what the sanitizers find: a result of the cpu backend that differs in a byte
+// from brute force in rational arithmetic, an error that the other backend does not report, a free step that is not
+// free.
 
 #include <sanitizer/asan_interface.h>
 
@@ -18,7 +19,7 @@
 namespace crumple::fuzz {
 namespace {
 
-/// A mesh that moves, two bodies of it under poses, and queries.
+/// A moving mesh, poses of two bodies with this mesh as their shape, and queries.
 struct Motion {
     Options options;
     ImpactQuery impacts;
@@ -68,7 +69,7 @@ struct Motion {
     }
 
    private:
-    /// Moves vertices, together or each in its own way, or leaves them where they are.
+    /// Moves vertices by a common step or each by its own, or leaves them where they are.
     void move(Bytes& bytes, bool wild) {
         std::array<double, 3> step{};
         for (double& x : step) x = bytes.below(5) - 2;
@@ -168,7 +169,7 @@ std::optional<typename Query::Result> judge(const Scene& scene, const Query& que
     return std::get<Result>(expected);
 }
 
-/// Requires that the way to the end positions of a step is free.
+/// Requires that nothing touches during the motion from the start to the positions that the free step has found.
 void require_free(const Motion& motion, const MeshView& view, const FreeStep& step, Detector& reference) {
     Mesh reached = motion.mesh;
     for (std::size_t v = 0; v < reached.vertices.size(); ++v)
@@ -210,7 +211,7 @@ void judge(const Motion& motion, Detector& reference) {
     judge(posed, proximities, detector, reference, "proximities by world");
 }
 
-/// The input that is judged, to be printed when the process ends: after sanitizers and broken promises alike.
+/// Input under test. print_running() prints it when a sanitizer report or a broken promise ends the process.
 const Motion* running = nullptr;
 
 void print_running() {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads bytes as if they were the contents of a file called `name`.
+// Functions that read bytes as if they were the contents of a file called `name`.
 
 #include <span>
 #include <sstream>

@@ -2,8 +2,9 @@
 """Writes the seed corpora of the fuzz targets: make_seeds.py FOLDER makes FOLDER/readers, FOLDER/search, FOLDER/worlds,
 FOLDER/overlaps, FOLDER/features.
 
-Valid and invalid small files of every format and variant in docs/input.md, and scenes for the search. Byte 0 of a
-reader's input chooses the file's name (`kinds` in readers.cpp), byte 1 the options.
+The seeds of the readers are small files, valid and invalid, of every format and variant in docs/input.md. Byte 0 of such
+an input chooses the file's name (`kinds` in readers.cpp), and byte 1 the options. The other seeds are scenes
+(seed_searches.py).
 """
 
 import base64
@@ -19,7 +20,7 @@ from pathlib import Path
 
 from seed_searches import feature_inputs, overlap_inputs, search_inputs, world_inputs
 
-# kinds in readers.cpp
+# Indices of `kinds` in readers.cpp.
 MESH, PLY, OBJ, STL, OFF, STL_MENDED, TXT, CSV, JSON, NPZ, NPZ_MENDED, NPY = range(12)
 GLTF, GLB, GLB_MENDED, WORLD, POSES_TEXT, POSES_NPY, POSES_MENDED = range(12, 19)
 FEATURES_TXT, FEATURES_CSV, FEATURES_JSON, FEATURES_NPZ, FEATURES_MENDED = range(19, 24)
@@ -301,7 +302,7 @@ def scenes():
                            {"bufferView": 1, "componentType": 5121, "count": 4, "type": "SCALAR"}],
                 bufferViews=[{"buffer": 0, "byteLength": 32, "byteStride": 8},
                              {"buffer": 0, "byteOffset": 32, "byteLength": 4}])
-    # Thirty times the same strip.
+    # Thirty primitives, all of the same strip.
     strip = {"attributes": {"POSITION": 0}, "indices": 1, "mode": 5}
     yield scene([{"mesh": 0}], binary=bytes(48) + bytes(i % 3 for i in range(1500)),
                 meshes=[{"primitives": [strip] * 30}],

@@ -9,7 +9,7 @@
 namespace crumple::fuzz {
 namespace {
 
-// Only one watch at a time, in one thread; readers start no threads.
+// State of the only MemoryWatch. It is not synchronised, since readers start no threads.
 bool watching = false;
 std::int64_t held = 0, most = 0;
 

@@ -1,12 +1,12 @@
 #pragma once
 
-// Measures the peak memory of a piece of work by the allocation hooks of AddressSanitizer.
+// Measures the peak memory of an operation by the allocation hooks of AddressSanitizer.
 
 #include <cstdint>
 
 namespace crumple::fuzz {
 
-/// Measures from construction to destruction. One instance at a time, in one thread.
+/// Measures from construction to destruction. Only one instance may exist at a time, in a process with one thread.
 class MemoryWatch {
    public:
     MemoryWatch();

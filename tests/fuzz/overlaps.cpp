@@ -59,7 +59,8 @@ struct Bodies {
     }
 
    private:
-    /// Replaces each triangle by a tetrahedron or a two-sided membrane; rarely leaves it open.
+    /// Replaces each triangle by a tetrahedron or by two triangles back to back; rarely leaves it as it is, so that the
+    /// surface is open.
     static void close(Bytes& bytes, Mesh& mesh) {
         const auto open = std::move(mesh.triangles);
         mesh.triangles.clear();

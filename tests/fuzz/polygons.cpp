@@ -12,7 +12,7 @@ namespace crumple::fuzz {
 namespace {
 
 using Corners = std::span<const std::int32_t>;
-/// Number of traversals of each edge from the smaller to the larger id, minus those in reverse.
+/// For each edge, how often it is traversed from the smaller to the larger vertex id, minus how often in reverse.
 using Outline = std::map<std::pair<std::int32_t, std::int32_t>, int>;
 
 void add(Outline& outline, Corners ring) {

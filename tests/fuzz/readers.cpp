@@ -31,7 +31,7 @@ enum class Mended { nothing, stl_count, archive, glb, array_of_poses, archive_of
 struct Kind {
     const char* name;  ///< file name; readers take its extension as a hint
     Content content;
-    Mended mended = Mended::nothing;  ///< part of the file that is made valid, for random bytes to get past it
+    Mended mended = Mended::nothing;  ///< part that is made valid after mutation, so that readers do not stop there
 };
 
 constexpr Kind kinds[] = {
@@ -95,7 +95,7 @@ io::ReadOptions options_of(std::uint8_t byte) {
     options.group_property = groups[byte >> 4 & 3];
     options.triangulation = byte & 64 ? io::Triangulation::fan : io::Triangulation::ears;
     options.strict = byte & 128;
-    if ((byte & 0x30) == 0x10) options.unit = io::Unit::inch;  // only without groups
+    if ((byte & 0x30) == 0x10) options.unit = io::Unit::inch;  // only if no group property is chosen
     return options;
 }
 
@@ -104,7 +104,7 @@ bool is_compressed(const Kind& kind) {
     return name.ends_with(".npz") || name.ends_with(".3mf") || name.ends_with(".gz");
 }
 
-/// glTF and zip archives are read under any name.
+/// True for a zip archive or, below, a glTF scene. Readers recognise these by content, whatever the name.
 bool is_archive(std::string_view file) { return file.starts_with("PK"); }
 bool is_scene(std::string_view file) {
     if (file.starts_with("\xef\xbb\xbf")) file.remove_prefix(3);
@@ -155,9 +155,9 @@ auto watched(std::string_view file, const Kind& kind, bool names_property, Read&
     } catch (const std::exception& other) {
         fail(std::string("an exception that is not crumple::Error: ") + other.what());
     }
-    // Faces take one byte per corner in the file but 12 bytes per triangle in a vector that doubles, and ear clipping
-    // needs lists. Deflated bytes expand a thousandfold, and a few lines of 3MF create 65,536 bodies. Eight triangles
-    // may refer to the same byte of the binary chunk of glTF.
+    // Limits of the peak memory. A corner takes as little as one byte in the file, but a triangle 12 bytes in a vector
+    // whose capacity doubles, and ear clipping needs lists. Deflated bytes expand up to a thousandfold. A few lines of
+    // 3MF can create 65,536 bodies. In glTF, eight triangles may refer to the same byte of the binary chunk.
     const bool package = std::strcmp(kind.name, "file.3mf") == 0 || is_archive(file);
     const bool scene = kind.content == Content::world || is_scene(file);
     const auto size = static_cast<std::int64_t>(file.size());
@@ -236,7 +236,7 @@ void check_poses(std::string_view file, const Kind& kind, std::uint8_t byte) {
     if (poses) require_kept(*poses, bodies);
 }
 
-/// `byte` chooses candidates, impacts or near pairs.
+/// Reads the file as a list of candidates, impacts or near pairs, which `byte` chooses, and checks its rows.
 void check_features(std::string_view file, const Kind& kind, std::uint8_t byte) {
     if (byte % 3 == 0) {
         const auto rows = watched(file, kind, false, [&] { return read_candidates(file, kind.name); });

@@ -215,7 +215,8 @@ class Judge {
         }
     }
 
-    /// Checks an error under a limit: less than `bytes_needed` fails, and limits doubled from there suffice in the end.
+    /// Checks an error under a memory limit: a search fails under a limit of bytes_needed - 1, and succeeds after the
+    /// limit has been doubled often enough.
     template <class Find>
     void check_bounds(Find find, Options options, const Error& error, const Intersections& expected) const {
         if (error.code != ErrorCode::memory_limit || error.bytes_needed <= options.memory_limit)
@@ -244,7 +245,7 @@ bool same_options(const Options& a, const Options& b) {
            a.fuzzy_c_means == b.fuzzy_c_means;
 }
 
-/// A detector that several inputs use, with these inputs: a finding is reproducible only by all of them.
+/// A detector that several inputs use, and these inputs: all of them are needed to reproduce a failure.
 struct ReusedDetector {
     std::unique_ptr<Detector> detector;
     std::vector<Input> history;

@@ -52,7 +52,7 @@ std::string written(Write&& write) {
     return std::move(out).str();
 }
 
-/// Sets `stl` to the mesh with three float32 vertices per triangle. Returns true if they are all finite.
+/// Sets `stl` to the mesh as STL stores it, with three float32 vertices per triangle. Returns true if all are finite.
 bool as_stl(const TriangleMesh& mesh, TriangleMesh& stl) {
     std::vector<float> xyz;
     with_coordinates(mesh, [&](const auto& from) {
@@ -82,10 +82,11 @@ void require_kept_by_stl(const TriangleMesh& mesh) {
     require_same(read_again(bytes, "again.stl", Precision::automatic), expected, "written as STL and read");
 }
 
-/// Returns vertices and triangles alone: most formats hold no groups.
+/// Returns the mesh without its groups, which most formats do not store.
 TriangleMesh as_triangles(const TriangleMesh& mesh) { return {mesh.vertices, mesh.triangles}; }
 
-/// Writes triangles or, if the mesh has them, polygons, which are cut again.
+/// Writes coloured triangles or, if the mesh has them, polygons, which the reader cuts again. Requires PLY and OBJ to
+/// keep the mesh, and 3MF its vertices and triangles.
 void require_kept_by_coloured(const TriangleMesh& mesh, io::Triangulation triangulation) {
     io::ColouredMesh coloured{mesh, std::vector<std::uint8_t>(mesh.triangles.size() / 3)};
     for (std::size_t t = 0; t < coloured.hit.size(); t += 2) coloured.hit[t] = 1;

@@ -21,11 +21,11 @@ void require_sound(const io::TriangleMesh& mesh);
 /// Requires no two vertices at one position, and corners at the same positions as before welding.
 void require_welded(const io::TriangleMesh& mesh, const io::TriangleMesh& before);
 
-/// Requires the mesh to survive each writer and reader, as far as the format can hold it. Coloured meshes keep their
-/// polygons, which are cut in the same way again.
+/// Writes the mesh in each format and reads it. Requires all that the format can store to be unchanged. Coloured meshes
+/// are written with polygons, which must be cut in the same way again.
 void require_kept_by_writers(const io::TriangleMesh& mesh, io::Triangulation triangulation);
 
-/// Requires the pairs to survive each writer and reader; all formats can hold them.
+/// Writes the pairs in each format and reads them. Requires the same pairs.
 void require_kept_by_writers(const std::vector<Pair>& pairs);
 
 }  // namespace crumple::fuzz

@@ -1,6 +1,7 @@
 #pragma once
 
-// The floating-point mode of some caller: each rounding mode in turn, with and without flush-to-zero.
+// Guard that sets a floating-point mode that a caller of the library may have set. `turn` modulo 4 selects the rounding
+// mode; its bit 4 adds flush-to-zero. The destructor restores the previous mode.
 
 #include <array>
 #include <cfenv>

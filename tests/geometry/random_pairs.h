@@ -33,13 +33,13 @@ struct TrianglePair {
 __attribute__((noinline)) inline float rounded(double x) { return static_cast<float>(x); }
 
 enum class Kind {
-    random,             ///< uniform in the unit cube
-    random_float,       ///< uniform in the unit cube, float32 numbers
+    random,             ///< uniform in [-1, 1]^3
+    random_float,       ///< uniform in [-1, 1]^3, float32 numbers
     lattice,            ///< corners in {0, 1, 2, 3}^3: touching, coplanar, folded, degenerate
     flat,               ///< corners on one random plane up to rounding
-    nudged,             ///< the lattice beside the origin, some coordinates moved by one unit in the last place
-    huge,               ///< the lattice times 2^1022: differences overflow
-    tiny,               ///< the lattice times the smallest subnormal
+    nudged,             ///< corners in {1, 2, 3, 4}^3, a quarter of the coordinates moved by one unit in the last place
+    huge,               ///< corners in {-3, -1, 1, 3}^3 times 2^1022: differences overflow
+    tiny,               ///< corners in {-1, 0, 1, 2}^3 times the smallest subnormal
     mixed,              ///< each coordinate of its own magnitude, over the whole range of float64
     wide,               ///< each coordinate of its own magnitude, within the range of float32
     collapsed,          ///< float32 numbers, one or both triangles degenerate: segments and points
@@ -97,8 +97,8 @@ class RandomPairs {
     }
 
    private:
-    /// Moves a corner onto the line of the others: between them, beyond them, or onto one of them, as the same vertex
-    /// or not. Sometimes all corners become one point. Exact for float32 numbers.
+    /// Moves a corner onto the line of the other two: between them, beyond them, or onto one of them, with the same
+    /// vertex id or another one. Sometimes all corners become one point. Exact for float32 numbers.
     void collapse(Triangle& t, std::int32_t fresh_vertex) {
         const auto moved = static_cast<std::size_t>(integer(3)), p = (moved + 1) % 3, q = (moved + 2) % 3;
         if (integer(8) == 0) t.point[q] = t.point[p], t.vertex[q] = integer(2) ? t.vertex[p] : fresh_vertex++;
@@ -110,8 +110,9 @@ class RandomPairs {
 
     Vec3d step() { return {integer(7) - 3.0, integer(7) - 3.0, integer(7) - 3.0}; }
 
-    /// The second triangle is a segment or a point. Its line runs through a point on a grid of the first one's plane,
-    /// which lies inside, on an edge, at a corner or outside, and may run in that plane.
+    /// Returns a triangle and a degenerate one, whose corners lie on a line or at one point. The line passes through a
+    /// grid point in the first triangle's plane: inside that triangle, on an edge, at a corner or outside. It may also
+    /// lie in the plane.
     TrianglePair threaded() {
         const Vec3d o = step(), u = step(), v = integer(8) ? step() : (integer(5) - 2.0) * u;
         TrianglePair pair{{{o, o + 6.0 * u, o + 6.0 * v}, {0, 1, 2}}, {{}, {3, 4, 5}}};

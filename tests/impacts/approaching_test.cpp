@@ -1,5 +1,5 @@
-// Tests of approaching_only for features that start within the distance: cases by hand, and float64 against rational
-// arithmetic.
+// Tests of the option approaching_only: features that start within the minimum distance are reported only if, and when,
+// they come nearer than they are at the start. Handmade cases, and float64 compared with rational arithmetic.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ TEST(ApproachingOnly, leaves_out_features_that_do_not_approach) {
     EXPECT_EQ(to_face({1, 1, 1}, {2, 1, 1}), none);
     EXPECT_EQ(to_face({1, 1, 1}, {9, 1, 1}), none);
     EXPECT_EQ(to_face({1, 1, 2}, {1, 1, 3}), none);
-    EXPECT_EQ(vertex_vertex(still(0, 0, 0), {{1, 0, 0}, {1, 9, 0}}, within_two), none);  // beside it, and away
+    EXPECT_EQ(vertex_vertex(still(0, 0, 0), {{1, 0, 0}, {1, 9, 0}}, within_two), none);  // starts at a right angle
 }
 
 TEST(ApproachingOnly, finds_features_that_approach_at_once) {

@@ -17,7 +17,7 @@ namespace {
 
 using Point = Vec3<Integer>;
 
-/// Move in integers: positions at k / 2^depth in units of 2^-depth.
+/// Bisection of the time of a move in integer arithmetic. Positions at time k / 2^depth are in units of 2^-depth.
 class Bisection {
    public:
     explicit Bisection(const Move& move) : first_(move.feature == Feature::edge_edge ? 2 : 1) {
@@ -85,7 +85,7 @@ class Bisection {
     }
 
     bool free(std::int64_t from, std::int64_t to) const {
-        // In units of half the size the middle is an integer, too.
+        // In units of half the size, positions in the middle of the interval are integers, too.
         const Points begin = at(from), finish = at(to);
         Points middle = begin;
         for (std::size_t i = 0; i < middle.size(); ++i) middle[i] = begin[i] + finish[i];
@@ -99,7 +99,7 @@ class Bisection {
         return found;
     }
 
-    std::size_t first_;  ///< how many points the first feature has
+    std::size_t first_;  ///< number of points of the first feature
     Points start_, step_;
 };
 
@@ -124,7 +124,8 @@ double rounded_down(int k, int q) {
 class Bisected : public testing::TestWithParam<Feature> {};
 
 TEST_P(Bisected, finds_the_same_impacts) {
-    // Before a grazing contact, intervals are too long to be separated for up to the cube root of their length.
+    // Shortly before a grazing contact, no direction separates the features throughout an interval of length h = 2^-20.
+    // This begins up to about the cube root of h before the contact.
     constexpr double grazing = 0x1p-6;
     int hits = 0;
     for (const Lattice lattice : all_lattices) {
@@ -145,8 +146,8 @@ TEST_P(Bisected, finds_the_same_impacts) {
 }
 
 TEST_P(Bisected, times_that_are_fractions_are_exact) {
-    // Times k / q with small q: those at which features touch are never missed, and a time that is a fraction rounded
-    // down is one at which they touch.
+    // Tests exactly whether the features touch at times k / q with small q. If they do, the impact is not later. If the
+    // time of impact is k / q rounded down, they touch at k / q.
     constexpr int largest = 12;
     int exact = 0, all = 0;
     for (const Lattice lattice : {Lattice::tiny, Lattice::small, Lattice::flat, Lattice::line, Lattice::focus}) {

@@ -1,4 +1,4 @@
-// Checks of changes that must not change an impact, and of changes with a known effect.
+// Checks that some changes of a move leave its impact as it is, and that others have the expected effect.
 
 #include <gtest/gtest.h>
 
@@ -178,8 +178,8 @@ TEST(Impact, without_motion_equals_touching) {
     });
 }
 
-// Gives each coordinate a magnitude of its own, over nearly all of float64. Impacts are not rare, for many coordinates
-// are 0.
+// Gives each coordinate its own magnitude, from nearly the whole range of float64. Impacts are not rare, since many
+// coordinates are 0.
 TEST(Impact, keeps_its_symmetries_for_any_magnitudes) {
     for (const Feature feature : {Feature::vertex_face, Feature::edge_edge}) {
         RandomMoves random(Lattice::tiny, 37);

@@ -36,7 +36,7 @@ TEST_P(ImpactTruth, float64_impacts_match_to_the_last_bit) {
         ASSERT_EQ(decide(move, counts), impact) << "line " << i << ": " << move;
     }
     EXPECT_EQ(counts.roots, static_cast<std::int64_t>(impacts_.size()));
-    // In the funnel, some of the few impacts are of edges that stay in one plane.
+    // In the funnel scene, some of the few impacts are of edges that stay in one plane, and need the exact decision.
     EXPECT_LE(counts.exact, std::max<std::int64_t>(20, counts.roots / 1000));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Moves, the queries of the tests of this folder about up to four moving points, and how they print.
+// Moves (two features of up to four moving points), about which the tests of this folder make queries, and operators
+// that print moves and impacts in failure messages.
 
 #include <array>
 #include <ostream>
@@ -34,7 +35,7 @@ inline std::size_t points_of(Feature feature) {
     return feature == Feature::vertex_vertex ? 2 : feature == Feature::vertex_edge ? 3 : 4;
 }
 
-/// Query about moving points, of which the first points_of(feature) count.
+/// Two moving features, given by the first points_of(feature) elements of `point`.
 struct Move {
     Feature feature;
     std::array<MovingPoint, 4> point;

@@ -66,14 +66,16 @@ TEST(FilteredImpact, is_right_for_degenerate_moves) {
 }
 
 TEST(FilteredImpact, is_right_within_a_few_ulps_of_contact) {
-    // Most of the small integers' moves touch on a border, at the start or the end, twice at once, or nearly.
+    // In most moves with small integers the features touch on the border of one of them, at the start or the end, or
+    // for an instant only, or nearly do so.
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 29);
             Tally tally;
             for (int i = 0; i < 400; ++i) {
                 Move move = random(feature);
-                // Some coordinates, or all of them, are off by a few units, in their place or far from the origin.
+                // Moves the points far from the origin in some rounds, and some or all coordinates by up to two units
+                // in the last place.
                 const int share = 1 + random.below(24), far = random.below(3);
                 change_coordinates(move, [&](double x) {
                     if (far > 0) x += far == 1 ? 0x1p10 : -0x1p40;
@@ -118,15 +120,16 @@ TEST(FilteredImpact, is_right_for_mixed_magnitudes) {
 }
 
 TEST(FilteredImpact, is_right_for_volumes_with_nearly_double_roots) {
-    // A face that is a segment at some time, or nearly: the vertex, which is in its plane then, may be hit before,
-    // after, twice, or not at all.
+    // The volume (the determinant of the four points) is 0 when the vertex is in the plane of the face, and also when
+    // the face collapses to a segment. Here these two times may be equal or close to each other.
     RandomMoves random(Lattice::wide, 41);
     Tally tally;
     for (int i = 0; i < 2000; ++i) {
         const double turn = (1 + random.below(999)) * 0x1p-10, gap = std::ldexp(random.below(9) - 4, -random.below(60));
         const auto beside = [&](double x, double at) { return Vec3d{x, random.below(7) - 3., x * at}; };
         Move move{Feature::vertex_face, {}};
-        // In the plane z = x s, s from -turn to 1 - turn, and the vertex at z = x s^2 or so.
+        // The face stays in the plane z = x s, and s goes from -turn to 1 - turn. The vertex crosses this plane, at t =
+        // 1/2 if `gap` is 0.
         const double x = random.below(5) - 2.;
         move.point[0] = {{x, 0, gap - x * turn * turn}, {x, 0, gap + x * (1 - turn) * (1 - turn)}};
         for (std::size_t corner = 1; corner < 4; ++corner) {
@@ -145,7 +148,8 @@ double with_bits(RandomMoves& random, int bits) {
 }
 
 TEST(FilteredImpact, is_right_where_a_root_is_a_float64_number) {
-    // At 1/2 the vertex is in the face, or on an edge of it. Products of three coordinates exceed double words.
+    // At t = 1/2 the vertex is in the face, or on an edge of it. Products of three coordinates have more bits than a
+    // double word.
     RandomMoves random(Lattice::tiny, 61);
     Tally tally;
     for (int i = 0; i < 1000; ++i) {
@@ -163,8 +167,8 @@ TEST(FilteredImpact, is_right_where_a_root_is_a_float64_number) {
 }
 
 TEST(FilteredImpact, rounds_down_roots_next_to_float64_numbers) {
-    // All of the face goes through the vertex's place at 1/2, but the vertex is a little above or below. The planes are
-    // steep, so that the volume is a small difference of large products.
+    // At t = 1/2 the face is in a plane through the origin. The vertex is above or below the origin by 2^exponent. The
+    // plane is steep, so that the volume is a small difference of large products.
     RandomMoves random(Lattice::tiny, 67);
     Tally tally;
     for (int exponent = -40; exponent > -115; --exponent) {
@@ -191,7 +195,8 @@ TEST(FilteredImpact, rounds_down_roots_next_to_float64_numbers) {
 }
 
 TEST(FilteredImpact, is_right_within_rounding_of_a_border) {
-    // Contact at any time, at a border, some way from it, or at a corner, as nearly as rounding allows.
+    // Contact at a random time t on the border of a feature, or at a corner, as nearly as rounding allows; in most
+    // rounds a random, often tiny distance beside the border.
     RandomMoves random(Lattice::tiny, 89);
     for (const Feature feature : quick_features) {
         Tally tally;
@@ -211,7 +216,7 @@ TEST(FilteredImpact, is_right_within_rounding_of_a_border) {
             const bool face = feature == Feature::vertex_face;
             const Vec3d corner = at(face ? 1 : 2), next = at(face ? 2 : 3);
             Vec3d contact = corner + far * (next - corner);
-            // There the vertex is at t, or an edge ends, or a little less or more.
+            // At time t the vertex is at `contact`, or the first edge ends there.
             contact = face ? contact + away * (at(3) - corner) : at(1) + (1 + away) * (contact - at(1));
             MovingPoint& p = move.point[0];
             if (t > 0.5) {
@@ -325,10 +330,10 @@ TEST(DecideImpact, decides_contact_at_the_start_by_predicates) {
         for (int i = 0; i < 300; ++i) {
             Move move = random(feature);
             auto& [p, q, r, s] = move.point;
-            if (feature == Feature::vertex_face) {  // inside, on an edge, on a corner
+            if (feature == Feature::vertex_face) {  // inside, on a corner, on an edge
                 p.start = i % 3 == 0 ? 0.25 * (q.start + 2. * r.start + s.start)
                                      : 0.25 * (q.start + 3. * (i % 3 == 1 ? q.start : s.start));
-            } else {  // crossing, an end on the other edge, in the other's line beside it
+            } else {  // crossing, end on the other edge, end on its line beside it
                 const Vec3d middle = 0.5 * (r.start + s.start);
                 p.start = i % 3 == 0 ? 2. * middle - q.start : i % 3 == 1 ? middle : 2. * r.start - s.start;
             }

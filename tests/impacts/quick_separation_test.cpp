@@ -115,7 +115,8 @@ TEST(QuickSeparation, decides_nearly_all_moves_in_general_position) {
 }
 
 TEST(QuickSeparation, is_right_within_a_few_ulps_of_the_distance) {
-    // The features come within the distance close to a float64 time, or at the start, for an instant, or just not.
+    // The minimum distance is the distance of the features at time t, up to a few units in the last place. So they come
+    // within it near t, or earlier, or at the start, or for an instant only, or just not.
     for (const Feature feature : all_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 59);

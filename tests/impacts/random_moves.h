@@ -1,6 +1,7 @@
 #pragma once
 
-// Random moves of small integers, from a seed: the smaller the numbers, the more of them are degenerate.
+// Random moves with small integers as coordinates, from a seed. The smaller the integers, the more moves are
+// degenerate.
 
 #include <cstdint>
 #include <random>
@@ -16,7 +17,7 @@ enum class Lattice {
     flat,   ///< -3 to 3, in the plane x + y + z = 0 at all times
     level,  ///< -3 to 3, at all times in a plane normal to an axis, which moves along the axis
     line,   ///< -4 to 4 on the line of (1, -1, 2) at all times
-    focus,  ///< on that line at time 1/2 only, where normals vanish
+    focus,  ///< on that line at time 1/2 only, when normals vanish
 };
 inline constexpr std::array all_lattices{Lattice::tiny,  Lattice::small, Lattice::wide, Lattice::flat,
                                          Lattice::level, Lattice::line,  Lattice::focus};

@@ -54,7 +54,7 @@ TEST(VertexFace, meets_at_the_second_root_if_the_first_is_outside) {
 }
 
 TEST(VertexFace, meets_at_a_double_root) {
-    // As above, and 16 t (1 - t) is 4 at its top.
+    // The face of the previous test, whose plane reaches the height 4 at t = 1/2 only.
     const MovingPoint a = still(-9, 0, 0), b = still(9, 0, 0), rising = move({0, 4, 0}, {0, 4, 16});
     EXPECT_EQ(vertex_face(move({0, 4, 4}, {0, 0, 4}), a, b, rising), at(0.5));
     EXPECT_EQ(vertex_face(move({0, 4, 4 + 0x1p-50}, {0, 0, 4 + 0x1p-50}), a, b, rising), none);
@@ -65,10 +65,10 @@ TEST(VertexFace, meets_at_a_double_root) {
 }
 
 TEST(VertexFace, meets_at_a_triple_root) {
-    // Four points shrink towards one another and pass through each other at 1/3: the volume is a cube in t.
+    // Four points move towards the origin and pass through it at 1/3: their determinant (volume) is a cube in t.
     const auto through = [](double x, double y, double z) { return move({x, y, z}, {-2 * x, -2 * y, -2 * z}); };
     EXPECT_EQ(vertex_face(through(0, 0, 1), through(1, 0, 0), through(0, 1, 0), through(-1, -1, 0)), at(third));
-    // The face alone collapses at 1/3, where the vertex is somewhere else: on the common line, or not.
+    // Only the face collapses to the origin at 1/3; the vertex is outside the face's plane, or at the origin.
     const MovingPoint a = through(1, 0, 0), b = through(0, 1, 0), c = through(-1, -1, 0);
     EXPECT_EQ(vertex_face(still(0, 0, 1), a, b, c), none);
     EXPECT_EQ(vertex_face(still(0, 0, 0), a, b, c), at_start);
@@ -128,7 +128,7 @@ TEST(VertexFace, meets_without_any_motion) {
 }
 
 TEST(VertexFace, meets_at_irrational_times) {
-    // As above, 16 t (1 - t) is 2 at t = (1 - sqrt(1/2)) / 2.
+    // The face of meets_at_a_double_root: its height 16 t (1 - t) is 2 at t = (1 - sqrt(1/2)) / 2.
     const MovingPoint a = still(-9, 0, 0), b = still(9, 0, 0), rising = move({0, 4, 0}, {0, 4, 16});
     const Impact found = vertex_face(move({0, 4, 2}, {0, 0, 2}), a, b, rising);
     EXPECT_TRUE(found.meets);
@@ -150,7 +150,7 @@ TEST(EdgeEdge, meets_inside) {
 
 TEST(EdgeEdge, meets_parallel_edges) {
     const MovingPoint left = still(-1, 0, 0), east = still(1, 0, 0);
-    // They stay parallel: the volume is 0 at all times.
+    // They stay parallel, so the determinant of the four points is 0 at all times.
     EXPECT_EQ(edge_edge(left, east, move({0, 0, 1}, {0, 0, -2}), move({5, 0, 1}, {5, 0, -2})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({-5, 0, 1}, {-5, 0, -2}), move({5, 0, 1}, {5, 0, -2})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({1, 0, 1}, {1, 0, -2}), move({5, 0, 1}, {5, 0, -2})), at(third));
@@ -175,7 +175,7 @@ TEST(EdgeEdge, meets_in_one_plane) {
     EXPECT_EQ(edge_edge(left, east, move({0, 1, 0}, {0, -2, 0}), move({3, 2, 0}, {3, -1, 0})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({0, 1, 0}, {0, 2, 0}), move({4, -2, 0}, {4, 2, 0})), none);
     EXPECT_EQ(edge_edge(left, east, move({0, 1, 0}, {5, 1, 0}), move({0, -1, 0}, {5, -1, 0})), at_start);
-    // Into an end, from the side and along the line.
+    // The moving edge hits an end of the static one, from the side and along its line.
     EXPECT_EQ(edge_edge(left, east, move({2, -1, 0}, {-1, -1, 0}), move({2, 1, 0}, {-1, 1, 0})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({2, 0, 0}, {-1, 0, 0}), move({3, 0, 0}, {0, 0, 0})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({3, 0, 0}, {2, 0, 0}), move({4, 0, 0}, {3, 0, 0})), none);
@@ -208,7 +208,7 @@ TEST(VertexEdge, meets_inside_and_at_ends) {
     EXPECT_EQ(vertex_edge(move({1, 1, 1}, {1, -2, -1}), origin, right), none);  // past it
     EXPECT_EQ(vertex_edge(still(1, 0, 0), origin, right), at_start);
     EXPECT_EQ(vertex_edge(move({1, 1, 0}, {1, 0, 0}), origin, right), at(1));
-    // Along the line, which moves too.
+    // The vertex moves along the line of the edge, which moves, too.
     EXPECT_EQ(vertex_edge(move({-1, 0, 0}, {2, 0, 3}), move({0, 0, 0}, {0, 0, 3}), move({4, 0, 0}, {4, 0, 3})),
               at(third));
     EXPECT_EQ(vertex_edge(move({-2, 0, 0}, {-1, 0, 0}), origin, right), none);
@@ -241,14 +241,14 @@ TEST(RationalImpact, handles_the_whole_range_of_float64) {
     EXPECT_EQ(vertex_face(move({least, least, least}, {least, least, -2 * least}), origin, still(4 * least, 0, 0),
                           still(0, 4 * least, 0)),
               at(third));
-    // Both: it takes from 2^-1074 to -max to cross zero, and the time of that is no float64 number but 0.
+    // Both: the vertex moves from 2^-1074 to -max. The time at which it crosses 0 is positive, but rounds down to 0.
     const Impact tiny =
         vertex_face(move({0, 0, least}, {0, 0, -large}), still(-1, -1, 0), still(1, -1, 0), still(0, 1, 0));
     EXPECT_EQ(tiny, at(0));
     EXPECT_EQ(vertex_vertex(move({1, 0, 0}, {-0x1p1023, 0, 0}), origin).toi, 0x1p-1023 - least);
     // Just before the end.
     EXPECT_EQ(vertex_vertex(move({large, 0, 0}, {-least, 0, 0}), origin), at(1 - 0x1p-53));
-    // Planes apart by the least number, in the midst of large ones.
+    // The vertex ends above the plane by the least number; the other coordinates are huge.
     EXPECT_EQ(vertex_face(move({0, 0, 1e300}, {0, 0, least}), still(-1e300, -1e300, 0), still(1e300, -1e300, 0),
                           still(0, 1e300, 0)),
               none);

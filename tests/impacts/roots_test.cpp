@@ -63,7 +63,7 @@ TEST(Roots, outside_the_interval_are_not_found) {
     EXPECT_TRUE(rounded_roots(polynomial({5})).empty());
     EXPECT_TRUE(rounded_roots(zero_at(-1, power(200))).empty());
     EXPECT_TRUE(rounded_roots(zero_at(power(200) + 1, power(200))).empty());
-    // Two complex roots close to 1/2: as many variations as two real ones would make.
+    // Two complex roots close to 1/2 give as many sign variations (Descartes' rule of signs) as two real ones.
     EXPECT_TRUE(rounded_roots(zero_at(1, 2) * zero_at(1, 2) * polynomial({power(100)}) + polynomial({1})).empty());
     EXPECT_EQ(rounded_roots(zero_at(1, 2) * zero_at(1, 2) * polynomial({power(100)}) - polynomial({1})).size(), 2U);
 }
@@ -73,7 +73,7 @@ TEST(Roots, close_together_are_separated) {
     const Polynomial p = zero_at(q / 3, q) * zero_at(q / 3 + 1, q) * zero_at(q / 3 + 2, q) * zero_at(1, 3);
     std::vector<Root> roots = roots_in_unit_interval(p);
     ASSERT_EQ(roots.size(), 4U);
-    // 1/3 lies between the first two, for 2^300 is not divisible by 3.
+    // 1/3 lies between the first two roots, as 2^300 is not divisible by 3.
     for (std::size_t i = 0; i < 4; ++i) {
         EXPECT_EQ(roots[i].sign(zero_at(1, 3)), i == 0 ? -1 : i == 1 ? 0 : 1) << i;
         EXPECT_EQ(roots[i].sign(zero_at(q / 3 + 1, q)), i < 2 ? -1 : i == 2 ? 0 : 1) << i;

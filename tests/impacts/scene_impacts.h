@@ -37,7 +37,7 @@ inline std::string name_of(const SceneStep& step) {
     return name;
 }
 
-/// Vertices at the start and at the end, and faces.
+/// Vertices of the two frames at the start and the end of a step, and their common faces.
 class Frames {
    public:
     Frames(const std::filesystem::path& start, const std::filesystem::path& end)

@@ -1,6 +1,6 @@
 #pragma once
 
-// Moves with the minimum distance of their features.
+// Moves with a minimum distance: queries about when two features come within that distance.
 
 #include <ostream>
 
@@ -41,7 +41,8 @@ struct SeparatedMove {
     }
 };
 
-/// Returns a random move with a distance of similar size, a share of the initial distance, or both.
+/// Returns a random move and a minimum distance: a distance of the size of the coordinates, a share of the initial
+/// distance, or both.
 inline SeparatedMove separated(RandomMoves& random, Lattice lattice, Feature feature) {
     const Move move = random(feature);
     const double unit = lattice == Lattice::wide ? 8 : 1;

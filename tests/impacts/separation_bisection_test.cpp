@@ -141,7 +141,8 @@ double rounded_down(int k, int q) {
 class BisectedSeparation : public testing::TestWithParam<Feature> {};
 
 TEST_P(BisectedSeparation, is_found_at_the_same_time) {
-    // Before a closest approach, intervals are too long to be separated for up to some root of their length.
+    // Shortly before a closest approach, no direction keeps the features beyond the distance throughout an interval of
+    // length 2^-20. This begins up to 2^-6 before the impact.
     constexpr double grazing = 0x1p-6;
     int hits = 0, later = 0, all = 0;
     for (const Lattice lattice : all_lattices) {
@@ -164,8 +165,8 @@ TEST_P(BisectedSeparation, is_found_at_the_same_time) {
 }
 
 TEST_P(BisectedSeparation, times_that_are_fractions_are_exact) {
-    // Times k / q with small q: those at which the features are within the minimum distance are never missed. If the
-    // time of impact is such a fraction rounded down, the distance there equals the minimum distance.
+    // Computes the exact distance at times k / q with small q. If it is within the minimum distance, the impact is not
+    // later. If the time of impact is k / q rounded down, the distance at k / q equals the minimum distance.
     constexpr int largest = 6;
     int exact = 0;
     for (const Lattice lattice : {Lattice::tiny, Lattice::flat, Lattice::line}) {

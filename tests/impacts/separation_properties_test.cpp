@@ -1,4 +1,5 @@
-// Checks of changes that must not change when features come within a distance, and of changes with a known effect.
+// Checks that some changes of a move leave the time at which its features come within a distance as it is, and that
+// other changes have the expected effect.
 
 #include <gtest/gtest.h>
 
@@ -13,8 +14,8 @@ namespace {
 
 const int rounds = more_or_less(100);
 
-/// Calls `check` with many moves, and fails unless some of each kind come close enough, not all at once, and some do
-/// not.
+/// Calls `check` with many moves. Fails unless, for each kind of features, some come within the minimum distance after
+/// the start, and others never.
 template <class Check>
 void for_separated(std::uint64_t seed, Check check) {
     for (const Feature feature : all_features) {
@@ -148,7 +149,7 @@ TEST(MinDistance, of_half_the_move_comes_at_twice_the_time) {
 TEST(MinDistance, is_reached_if_the_reversed_move_reaches_it) {
     for_separated(29, [](const SeparatedMove& query, const Impact&) {
         SeparatedMove forward = query, back = query;
-        forward.separation.share = back.separation.share = 0;  // which would refer to another start
+        forward.separation.share = back.separation.share = 0;  // a share refers to the distance at the start
         for (MovingPoint& p : back.move.point) std::swap(p.start, p.end);
         const Impact first = forward.impact(), last = back.impact();
         ASSERT_EQ(first.meets, last.meets) << query;
@@ -173,7 +174,7 @@ TEST(MinDistance, of_smaller_features_is_that_of_collapsed_ones) {
 }
 
 TEST(MinDistance, of_an_edge_is_that_of_its_halves) {
-    // The point that halves it moves on a straight line, too.
+    // The midpoint of the edge moves on a straight line, too.
     for_separated(37, [](const SeparatedMove& query, const Impact&) {
         if (query.move.feature != Feature::vertex_edge) return;
         const auto& [p, q, r, s] = query.move.point;

@@ -1,4 +1,5 @@
-// Tests on handmade moves with evident results, for each kind of sub-features that come within a distance first.
+// Tests of minimum distances on handmade moves with evident results, for each kind of parts of the features (corner,
+// side or inside) that come within the distance first.
 
 #include "exact/impact/exact_min_distance.h"
 
@@ -39,7 +40,7 @@ TEST(VertexFaceSeparation, is_that_of_the_plane_above_the_inside) {
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(1 - 0x1p-53)), none);
     EXPECT_EQ(to_face({1, 1, -4}, {1, 1, -1}, within(3)), at(third));
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, -4}, within(0)), at(0.5));
-    // Through the plane and out of reach again.
+    // Passes through the plane and ends farther away.
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, -28}, within(2)), at(0.0625));
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(4)), at_start);
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 5}, within(4)), at_start);
@@ -47,17 +48,18 @@ TEST(VertexFaceSeparation, is_that_of_the_plane_above_the_inside) {
 }
 
 TEST(VertexFaceSeparation, is_that_of_sides_and_corners_beside_the_inside) {
-    EXPECT_EQ(to_face({1, -3, 8}, {1, -3, 0}, within(5)), at(0.5));      // 3, 4, 5
-    EXPECT_EQ(to_face({4, 4, 4}, {4, 4, -5}, within(3)), at(third));     // 8 + 1 = 9
-    EXPECT_EQ(to_face({-1, -2, 8}, {-1, -2, -4}, within(3)), at(0.5));   // 1 + 4 + 4 = 9
-    EXPECT_EQ(to_face({6, -1, 8}, {6, -1, -10}, within(3)), at(third));  // 4 + 1 + 4 = 9
+    EXPECT_EQ(to_face({1, -3, 8}, {1, -3, 0}, within(5)), at(0.5));      // 3² + 4² = 5²
+    EXPECT_EQ(to_face({4, 4, 4}, {4, 4, -5}, within(3)), at(third));     // 8 + 1 = 3²
+    EXPECT_EQ(to_face({-1, -2, 8}, {-1, -2, -4}, within(3)), at(0.5));   // 1 + 4 + 4 = 3²
+    EXPECT_EQ(to_face({6, -1, 8}, {6, -1, -10}, within(3)), at(third));  // 4 + 1 + 4 = 3²
     EXPECT_EQ(to_face({1, -3, 8}, {1, -3, 0}, within(3)), at(1));
     EXPECT_EQ(to_face({1, -3, 8}, {1, -3, 0}, within(3 - 0x1p-51)), none);
     EXPECT_EQ(to_face({-1, -2, 8}, {-1, -2, -4}, within(2)), none);
 }
 
 TEST(VertexFaceSeparation, is_reached_along_a_surface_at_that_distance) {
-    // At all times the distance to the plane, or the line, equals the minimum distance.
+    // The vertex moves so that its distance to the plane of the face, or to the line of a side, always equals the
+    // minimum distance.
     EXPECT_EQ(to_face({-2, 1, 3}, {4, 1, 3}, within(3)), at(third));
     EXPECT_EQ(to_face({-2, -2, 3}, {4, 4, 3}, within(3)), at(third));
     EXPECT_EQ(to_face({3, 3, 3}, {1, 1, 3}, within(3)), at(0.5));
@@ -78,8 +80,8 @@ TEST(VertexFaceSeparation, can_be_reached_for_an_instant_only) {
     const Impact early = vertex_face(p, a, b, c, within(3 + 0x1p-51));
     EXPECT_LT(early.toi, 0.5 - 0x1p-28);
     EXPECT_GT(early.toi, 0.5 - 0x1p-27);
-    EXPECT_EQ(to_face({-3, -3, 4}, {3, -3, 4}, within(5)), at(0.5));  // a corner, then the side at that distance
-    EXPECT_EQ(to_face({-7, -1, 0}, {1, -7, 0}, within(5)), at(0.5));  // past a corner, by 3 and 4
+    EXPECT_EQ(to_face({-3, -3, 4}, {3, -3, 4}, within(5)), at(0.5));  // from t = 1/2 on, a side is at this distance
+    EXPECT_EQ(to_face({-7, -1, 0}, {1, -7, 0}, within(5)), at(0.5));  // passes a corner at (-3, -4, 0)
     EXPECT_EQ(to_face({-7, -1, 0}, {1, -7, 0}, within(5 - 0x1p-50)), none);
 }
 
@@ -106,15 +108,15 @@ TEST(EdgeEdgeSeparation, is_that_of_the_lines_where_they_cross) {
     EXPECT_EQ(fall(1, 4, 1, 3), at(third));
     EXPECT_EQ(fall(1, 4, -4, 0), at(0.5));
     EXPECT_EQ(fall(4, -4, -1, 3), at(third));
-    EXPECT_EQ(fall(8, 6, -3, 5), at(third));  // beyond the end: 3, 4, 5
+    EXPECT_EQ(fall(8, 6, -3, 5), at(third));  // 4 beyond an end, at height 3
     EXPECT_EQ(fall(8, 6, -3, 4), at(two_thirds));
     EXPECT_EQ(fall(8, 6, -3, 4 - 0x1p-50), none);
     EXPECT_EQ(fall(1, 4, 5, 4), at_start);
-    // At the distance of both planes all the time.
+    // The edges are in two parallel planes, at the minimum distance from each other at all times.
     EXPECT_EQ(edge_edge(origin, right, move({-2, -2, 3}, {4, -2, 3}), move({-2, 2, 3}, {4, 2, 3}), within(3)),
               at(third));
     EXPECT_EQ(edge_edge(origin, right, move({-2, 1, 3}, {4, 1, 3}), move({-2, 2, 3}, {4, 2, 3}), within(3)), none);
-    // At a single time: as for the vertex and the face.
+    // The minimum distance is reached at t = 1/2 only, as in can_be_reached_for_an_instant_only.
     const MovingPoint a = move({-9, -4, 3}, {-9, 4, 3}), b = move({9, -4, 3}, {9, 4, 3});
     const MovingPoint c = move({0, -9, -9}, {0, -9, 9}), d = move({0, 9, 9}, {0, 9, -9});
     EXPECT_EQ(edge_edge(a, b, c, d, within(3)), at(0.5));
@@ -132,7 +134,7 @@ TEST(EdgeEdgeSeparation, is_that_of_ends_where_edges_are_parallel_or_collapsed) 
     EXPECT_EQ(edge({9, 3, 0}, {12, 3, 0}, {-15, 0, 0}, 3), at(third));
     EXPECT_EQ(edge({1, 0, 4}, {1, 0, 4}, {0, 0, -3}, 3), at(third));
     EXPECT_EQ(edge_edge(origin, origin, move({-3, 4, 0}, {3, 4, 0}), move({-3, 4, 0}, {3, 4, 0}), within(4)), at(0.5));
-    // Parallel at 1/2 only: 3, 4, 5.
+    // Parallel at t = 1/2 only, at the offset (0, 4, 3).
     EXPECT_EQ(edge_edge(still(-9, 0, 0), still(9, 0, 0), move({-9, 8, 3}, {-9, 0, 3}), move({9, 12, 3}, {9, -4, 3}),
                         within(5)),
               at(0.5));
@@ -148,8 +150,8 @@ TEST(VertexEdgeSeparation, is_that_of_the_line_between_the_ends) {
     EXPECT_EQ(edge({7, 0, 8}, {7, 0, 0}, 5), at(0.5));
     EXPECT_EQ(edge({1, -4, 3}, {1, 4, 3}, 3), at(0.5));
     EXPECT_EQ(edge({1, -4, 3}, {1, 4, 3}, 3 - 0x1p-51), none);
-    EXPECT_EQ(edge({-2, 3, 0}, {4, 3, 0}, 3), at(third));  // along it
-    EXPECT_EQ(edge({9, 0, 0}, {3, 0, 0}, 3), at(third));   // on its line
+    EXPECT_EQ(edge({-2, 3, 0}, {4, 3, 0}, 3), at(third));  // parallel to the edge
+    EXPECT_EQ(edge({9, 0, 0}, {3, 0, 0}, 3), at(third));   // on the edge's line
     EXPECT_EQ(vertex_edge(move({0, 0, 4}, {0, 0, 1}), origin, origin, within(3)), at(third));
 }
 
@@ -167,7 +169,7 @@ TEST(ShareOfTheStart, refers_to_the_distance_of_each_pair) {
     EXPECT_EQ(vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, share(0.5)), at(0.5));
     EXPECT_EQ(vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, share(0.25)), at(0.75));
     EXPECT_EQ(vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, share(0.9)), at(1 - 0.9));
-    EXPECT_EQ(vertex_vertex(move({1, 1, 1}, {0, 0, 0}), origin, share(0.7)), at(1 - 0.7));  // of the square root of 3
+    EXPECT_EQ(vertex_vertex(move({1, 1, 1}, {0, 0, 0}), origin, share(0.7)), at(1 - 0.7));  // initially √3 apart
     EXPECT_EQ(vertex_vertex(move({1, 1, 1}, {0, 0, 0}), origin, share(1 - 0x1p-53)), at(0x1p-53));
     EXPECT_EQ(vertex_vertex(move({1, 1, 1}, {2, 1, 1}), origin, share(1 - 0x1p-53)), none);
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, -4}, share(0.5)), at(0.25));

@@ -1,4 +1,5 @@
-// Checks by rational arithmetic that the error of all that the filters compute is within its bound.
+// Checks by rational arithmetic the error bounds of filters that compute the volume: the determinant of three vectors
+// between four moving points, a cubic polynomial in time.
 
 #include <gtest/gtest.h>
 
@@ -39,7 +40,8 @@ double share(double computed, const Rational& exact, double bound) {
     return static_cast<double>(Rational(off / Rational(bound)));
 }
 
-/// Returns points with full mantissas, of similar or mixed sizes, whose volume nearly cancels or not.
+/// Returns points whose coordinates have full mantissas. `round` determines whether they have similar or mixed
+/// magnitudes, and whether their volume is nearly 0.
 FourPoints random_points(RandomMoves& random, int round) {
     FourPoints points = random(Feature::edge_edge).point;
     const double flat = round % 4 == 0 ? 1 : std::ldexp(1, -round % 60);
@@ -66,7 +68,7 @@ void check_volume() {
         const Approach<pair> x(points);
         const Volume volume(x);
         const auto f = [&](const Rational& t) { return exact_volume<pair>(points, t); };
-        // Four values determine a cubic.
+        // The coefficients of the cubic polynomial, from its values at four times.
         const Rational f0 = f(0), f1 = f(1), half = f(Rational(1) / 2), twice = f(2);
         const Rational c3 = (twice - 2 * f1 + f0) / 2 - (f1 - 2 * half + f0) * 2, cubic = c3 * 2 / 3;
         const Rational square = (f1 - 2 * half + f0) * 2 - cubic * 3 / 2, linear = f1 - f0 - square - cubic;

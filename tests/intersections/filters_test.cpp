@@ -84,7 +84,7 @@ TEST_P(Filters, are_right_where_they_are_certain) {
         const TrianglePair pair = random();
         const auto at = [&] { return static_cast<float>(random.real(-1, 1)); };
         const Vec3f origin = i % 2 ? Vec3f{at(), at(), at()} : Vec3f{};
-        // Sometimes triangles that extend far count as big.
+        // In some rounds, triangles that extend beyond 0.5 are "big" members of the leaf (LeafFrame::big).
         const float big = i % 8 ? everything : 0.5f;
         const FilteredPair filtered(pair, origin, big, GetParam().float32);
         for (const NarrowPolicy policy : {NarrowPolicy{false, false}, {true, false}, {false, true}}) {

@@ -51,7 +51,7 @@ TEST(RationalIntersection, does_not_depend_on_the_order_of_triangles_and_corners
             ASSERT_EQ(one.collides, two.collides) << TrianglePair{a, b};
             ASSERT_EQ(one.proper, two.proper) << TrianglePair{a, b};
             ASSERT_EQ(one.shared, two.shared) << TrianglePair{a, b};
-            // Areas may run the other way around.
+            // The points of an area may be in the opposite order.
             std::vector<Vec3d> p = points_of(contact(one)), q = points_of(contact(two));
             const auto less = [](const Vec3d& s, const Vec3d& t) {
                 return std::array{s.x, s.y, s.z} < std::array{t.x, t.y, t.z};

@@ -43,7 +43,8 @@ TEST(ThreeMf, items_and_components_are_bodies_that_share_shapes) {
     EXPECT_EQ(world.shapes[0].precision(), ScalarType::float64);
     EXPECT_EQ(world.shapes[0].triangles, (std::vector<std::int32_t>{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}));
     EXPECT_EQ(coordinates(world.shapes[0]), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}));
-    // Row vectors: first the component's (scale, shift), then the item's (x to y, y to -x, shift).
+    // 3MF applies transforms to row vectors: first the component's (scale, translation), then the item's (x to y, y to
+    // -x, translation). Poses are for column vectors.
     EXPECT_EQ(world.bodies[0].pose.rows, (PoseRows{0, -1, 0, -5, 2, 0, 0, 7, 0, 0, 1, 10}));
     EXPECT_EQ(world.bodies[1].pose.rows, (PoseRows{0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3}));
     EXPECT_EQ(world.bodies[2].pose, Pose{});
@@ -107,7 +108,7 @@ TEST(ThreeMf, production_extension_reads_other_parts) {
     const WorldMesh world = read_world(folder.write("a.3mf", parts.bytes()));
     EXPECT_EQ(body_names(world), (BodyNames{"both", "both_2"}));
     EXPECT_EQ(world.shapes.size(), 1u);
-    EXPECT_EQ(world.warnings.size(), 1u);  // another unit
+    EXPECT_EQ(world.warnings.size(), 1u);  // the other part has another unit
     for (const std::string& warning : world.warnings) EXPECT_TRUE(contains(warning, "a.3mf")) << warning;
 }
 

@@ -72,7 +72,7 @@ double area_of(const TriangleMesh& mesh) {
 
 TEST(ColouredOverlaps, ply_holds_only_the_surface_of_the_overlap) {
     const OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
-    const TriangleMesh ply = bodies.ply();  // of the box (1, 1.25, 0.5) to (2, 2, 1.5)
+    const TriangleMesh ply = bodies.ply();  // surface of the box (1, 1.25, 0.5) to (2, 2, 1.5)
     EXPECT_NEAR(area_of(ply), 2 * (1 * 0.75 + 1 * 1 + 0.75 * 1), 1e-12);
     for (std::size_t i = 0; i < ply.triangles.size(); ++i) {
         const Vec3d p = corner(ply, i), middle{1.5, 1.625, 1}, half{0.5, 0.375, 0.5};
@@ -105,7 +105,7 @@ TEST(ColouredOverlaps, body_that_overlaps_itself_is_coloured_there) {
 TEST(ColouredOverlaps, poses_place_and_mirror_bodies) {
     OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2})});
     bodies.world.bodies.push_back({"mirrored", 0, {}});
-    bodies.world.bodies[1].pose.rows = {-1, 0, 0, 3, 0, 1, 0, 0.5, 0, 0, 1, 0.5};  // from (1, 0.5, 0.5)
+    bodies.world.bodies[1].pose.rows = {-1, 0, 0, 3, 0, 1, 0, 0.5, 0, 0, 1, 0.5};  // (1, 0.5, 0.5) to (3, 2.5, 2.5)
     bodies.search(false);
     EXPECT_NEAR(area_of(bodies.ply()), 2 * (1 * 1.5 + 1 * 1.5 + 1.5 * 1.5), 1e-12);
 }
@@ -241,7 +241,7 @@ TEST(PictureWindings, count_how_often_a_surface_encloses_a_point) {
     };
     add(0, 8, false), add(1, 4, false), add(2, 3, true), add(5, 6, true);
     const PictureWindings rays(points, corners);
-    const auto at = [&](double x) { return rays.at({x, x, x}); };  // through edges and corners
+    const auto at = [&](double x) { return rays.at({x, x, x}); };  // on diagonals: rays meet edges and corners
     EXPECT_EQ(at(-1), 0);
     EXPECT_EQ(at(0.5), 1);
     EXPECT_EQ(at(1.5), 2);

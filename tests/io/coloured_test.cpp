@@ -161,7 +161,7 @@ TEST(Coloured, foreign_materials_are_not_overwritten) {
     EXPECT_FALSE(fs::exists(folder / "a.obj"));
     fs::remove(folder / "a.mtl");
     write();
-    write();  // its own are replaced
+    write();  // files that it has written before are replaced
 }
 
 TEST(Coloured, html_holds_corners_colours_and_contacts) {
@@ -176,7 +176,7 @@ TEST(Coloured, html_holds_corners_colours_and_contacts) {
     EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
     EXPECT_TRUE(piece.starts_with("<div id=\"crumple-"));
     EXPECT_NE(piece.find("height:320px"), piece.npos);
-    const auto length = [&](const std::string& name) {  // of what is encoded in base64
+    const auto length = [&](const std::string& name) {  // bytes of an array that is encoded in base64
         const std::size_t begin = page.find('"' + name + "\": \"") + name.size() + 5, end = page.find('"', begin);
         return (end - begin) / 4 * 3 - static_cast<std::size_t>(std::count(&page[end] - 2, &page[end], '='));
     };
@@ -272,7 +272,7 @@ TEST(ColouredAnimation, shows_one_frame_at_a_time) {
     for (const auto& [name, frames] : {std::pair("three.glb", 3), {"four.glb", 4}}) {
         const tinygltf::Model model = load_glb(folder / name);
         ASSERT_EQ(model.animations.size(), 1u);
-        ASSERT_EQ(model.meshes.size(), static_cast<std::size_t>(frames) - 1);  // one frame is empty
+        ASSERT_EQ(model.meshes.size(), static_cast<std::size_t>(frames) - 1);  // the empty frame has no mesh
         ASSERT_EQ(model.animations[0].channels.size(), model.meshes.size());
         EXPECT_EQ(model.scenes[0].nodes.size(), model.meshes.size());
         for (double time = 0.05; time < 0.1 * frames; time += 0.1) {

@@ -118,7 +118,8 @@ TEST(FeatureLists, every_format_reads_back_what_was_written) {
     }
 }
 
-/// Returns impacts with codimensional edges and points, of one body, or of two of which the second has no such points.
+/// Returns impacts with codimensional edges and points, of one body or of two bodies. The second body has no
+/// codimensional points.
 Impacts example_rods(bool has_bodies) {
     Impacts a = example_impacts(has_bodies);
     a.edges[1] = {7, 0};  // codimensional, in the order of the caller
@@ -297,7 +298,8 @@ TEST(FeatureLists, near_pairs_colour_two_meshes) {
     const TriangleMesh mesh = three_triangles();
     std::ostringstream out;
     write_coloured(out, mesh, &mesh, nearby);
-    // In the first mesh triangle 1 at distance 1 and 0 at 4, in the second one triangle 2 at 1.
+    // Near pairs colour triangles 1 (distance 1) and 0 (distance 4) of the first mesh, and 2 (distance 1) of the
+    // second.
     EXPECT_EQ(triangles_of(out.str()),
               (std::map<std::string, std::int64_t>{{"free", 3}, {"shade 3", 2}, {"shade 8", 1}}));
     EXPECT_EQ(error_of([&] { write_coloured(out, mesh, nullptr, nearby); }).code, ErrorCode::invalid_argument);

@@ -67,9 +67,9 @@ TEST(Gltf, poses_compose_along_parent_nodes) {
     const int shape = scene.add_tetrahedron();
     const int leaf = scene.add_node({{"name", "leaf"}, {"mesh", shape}, {"scale", {2, 4, -1}}}, false);
     const int middle = scene.add_node(
-        // By columns: x to y, y to -x, then a translation.
+        // Column by column: maps x to y and y to -x, then translates.
         {{"matrix", {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 10, 20, 30, 1}}, {"children", {leaf}}}, false);
-    // A quarter turn about z in float32.
+    // A quaternion in float32: a quarter turn about z.
     const double half = 0.70710677;
     scene.add_node({{"rotation", {0, 0, half, half}}, {"translation", {1, 2, 3}}, {"children", {middle}}});
     const WorldMesh world = read_scene(scene);
@@ -303,7 +303,7 @@ TEST(Gltf, sparse_accessors_replace_elements) {
                                             {"values", {{"bufferView", view(3)}}}};
     EXPECT_EQ(coordinates(read_scene(scene.glb()).shapes[0]),
               (std::vector<double>{0, 0, 0, 5, 0, 0, 0, 1, 0, 0, 0, 7}));
-    scene.json["accessors"][0].erase("bufferView");  // then the others are zeros
+    scene.json["accessors"][0].erase("bufferView");  // without it, elements that are not replaced are 0
     EXPECT_EQ(coordinates(read_scene(scene.glb(), {.weld = Weld::no}).shapes[0]),
               (std::vector<double>{0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 7}));
 }

@@ -184,7 +184,7 @@ TEST(HostileGltf, too_many_meshes_over_the_same_data_are_refused) {
     const int positions = scene.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
     const int indices = scene.add_indices(std::vector<std::uint16_t>(60'000));
     for (int i = 0; i < 100; ++i) {
-        // Each another list of primitives.
+        // The list of primitives differs from mesh to mesh, so that no two meshes become one shape.
         Json primitives = Json::array();
         for (int k = 0; k < 12; ++k)
             primitives.push_back(
@@ -200,7 +200,7 @@ TEST(HostileGltf, too_many_primitives_over_the_same_data_are_refused) {
     std::vector<std::uint8_t> turns(100'000);
     for (std::size_t i = 0; i < turns.size(); ++i) turns[i] = static_cast<std::uint8_t>(i % 3);
     const int indices = scene.add_accessor(turns, 5121, "SCALAR");
-    // All at once they would take 24 GB.
+    // The triangles of all primitives would take 24 GB.
     scene.add_body("a", scene.add_mesh(Json(
                             10'000, {{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"mode", 5}})));
     expect_refused(scene, "more than 8 triangles a byte");

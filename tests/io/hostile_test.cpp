@@ -58,14 +58,14 @@ TEST(Hostile, truncation_is_an_error_if_the_format_states_its_size) {
         const bool announced = !sample.name.ends_with(".obj");
         const TriangleMesh whole = read_bytes(sample.bytes, sample.name);
         const std::size_t last = sample.bytes.find_last_not_of("\n");  // the last line needs no end
-        // A file that is cut between two solids is a whole one.
+        // A file that is cut between two solids is a complete file.
         const std::size_t first_solid_ends = sample.bytes.find("endsolid") + 8;
         const std::size_t second_solid_begins = sample.bytes.find("\nsolid") + 1;
         for (std::size_t size = 0; size < sample.bytes.size(); ++size) {
             SCOPED_TRACE(sample.name + " cut to " + std::to_string(size));
             const auto mesh = try_read(folder.write(sample.name, sample.bytes.substr(0, size)));
             if (mesh) expect_valid(*mesh);
-            // A last number that loses digits is still one: only then, the mesh may differ.
+            // If only digits of the last number are cut off, the rest is a number, too, so the mesh may differ.
             const bool in_last_word = size > sample.bytes.find_last_of(" ", last);
             const bool between_solids =
                 sample.name == "ascii.stl" && size >= first_solid_ends && size <= second_solid_begins;

@@ -1,4 +1,5 @@
-// Tests of the codecs of lists with tables that no list of results has, for the codecs do not depend on what they hold.
+// Tests of the codecs of lists with a table of animals: the codecs do not depend on the content of a table, and this
+// one has combinations of fields that no list of results has.
 
 #include <cmath>
 #include <limits>
@@ -37,7 +38,7 @@ TEST(ListTables, rows_have_fields_in_text_and_columns_in_csv) {
     EXPECT_EQ(written(true), "animal,id,food,weight,tame\nbird,1:7,,0.5,1\nfish,4,3,2,0\nfish,5,3,,\n");
 }
 
-/// Returns section and number of values of each row, or the message of the error.
+/// Reads a list with that table. Returns the section and the number of values of each row, or the message of the error.
 std::string read(const std::string& bytes, const std::string& name) {
     std::istringstream in(bytes);
     const Source source(in, name);

@@ -1,4 +1,4 @@
-// Tests of reading lists of impacts and of near pairs by other writers, and of errors in lists.
+// Tests of reading lists of impacts and of near pairs that other programs may have written, and of errors in lists.
 
 #include <random>
 #include <sstream>
@@ -174,7 +174,7 @@ TEST(ReadFeatures, bodies_of_arrays_are_checked) {
     expect_bad_rows(list("[[0,1],[0,1]]", "[0,1,2]"), "a.json", "is not as long");
 }
 
-/// Returns a .npz with that list, in which `array` replaces the array `name`.
+/// Returns the same list as a .npz, in which `array` replaces the array `name`.
 std::string npz_with(const std::string& name, const std::string& array) {
     using std::endian;
     std::vector<std::pair<std::string, std::string>> files{

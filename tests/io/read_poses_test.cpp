@@ -1,4 +1,4 @@
-// Tests of reading poses from text and NumPy, configuration by configuration.
+// Tests of reading poses from text and NumPy. A file has one or more configurations, each with one pose per body.
 
 #include <sstream>
 

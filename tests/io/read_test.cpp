@@ -62,7 +62,7 @@ TEST(Read, binary_body_begins_after_any_line_end_of_the_header) {
             expect_same(read_bytes(changed + body, "a.ply"), sample_mesh());
         }
     }
-    // The body's first byte looks like the second half of CR LF.
+    // The header ends with CR, and the body begins with a byte equal to LF, which is data.
     const std::string header =
         "ply\rformat binary_little_endian 1.0\relement tag 1\rproperty uchar a\relement vertex 0\r"
         "property float x\rproperty float y\rproperty float z\relement face 0\r"
@@ -120,7 +120,8 @@ TEST(Read, automatic_precision_loses_nothing) {
 }
 
 TEST(Read, text_is_rounded_once) {
-    // Just above half way between two float32: by way of float64 it would be rounded to even, downwards.
+    // Slightly more than half way between two float32 numbers. If it were first rounded to float64, it would be half
+    // way, and be rounded down, to even.
     const std::string text = "v 1.000000059604644775390626 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n";
     const auto mesh = read_bytes(text, "a.obj", {.precision = Precision::float32});
     EXPECT_EQ(coordinates(mesh)[0], double{0x1.000002p0f});

@@ -1,5 +1,5 @@
-// Checks that a mesh written and read again has the same bits: random patterns of finite numbers, subnormals, the
-// largest.
+// Checks that coordinates that are written and read again have the same bits: random bit patterns of finite numbers,
+// subnormal numbers, and the largest number.
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 #pragma once
 
-// A small mesh, a square of two triangles and a third one, in every format and variant that is read.
+// A small mesh, a square of two triangles and a third triangle, in every format that the library reads.
 
 #include <string>
 #include <vector>
@@ -77,7 +77,7 @@ inline std::string off() {
            "4 0 1 2 3 255 0 0\n3 4 1 0\n";
 }
 
-/// Returns sample_mesh() in all formats. STL has the vertices in the same order, too.
+/// Returns sample_mesh() in all formats. The vertices have the same order in all of them, in STL after welding.
 inline std::vector<Sample> samples() {
     return {{"ascii.ply", ascii_ply()},
             {"little.ply", binary_ply(std::endian::little)},

@@ -1,4 +1,5 @@
-// Tests of files that several readers share: their blocks, in order, give the mesh that one reader reads.
+// Tests of reading a file by several readers, each of which reads a block of its vertices and triangles (a slice): all
+// blocks in order give the mesh that one reader reads.
 
 #include "io/bytes/slice.h"
 
@@ -40,7 +41,7 @@ struct Spoiled {
     float x = 0;
 };
 
-/// Returns a binary PLY with more properties than are read, in an odd order; groups are 100, 101, ...
+/// Returns a binary PLY with properties that readers skip and in an unusual order; groups are 100, 101, ...
 std::string ply_bytes(std::endian order, const Spoiled& spoiled = {}) {
     Bytes bytes(order);
     bytes.text(
@@ -78,7 +79,7 @@ class Slices : public testing::Test {
         return read_slice(folder.write(name, bytes), options, reader, readers);
     }
 
-    /// Returns the blocks of `readers` readers as one mesh.
+    /// Reads the file by `readers` readers, and returns their blocks joined to one mesh.
     TriangleMesh joined(const std::string& bytes, int readers, const ReadOptions& options) const {
         TriangleMesh all;
         for (int r = 0; r < readers; ++r) {
@@ -148,7 +149,7 @@ TEST_F(Slices, are_not_made_of_unsuitable_files) {
     EXPECT_FALSE(read_slice(folder.path(), {}, 0, 1));
 }
 
-// Only the reader of the block with that face can detect it.
+// Only the reader whose block has the polygon can detect it.
 TEST_F(Slices, with_polygons_are_refused_by_their_reader) {
     for (const std::uint8_t corners : {std::uint8_t{2}, std::uint8_t{4}}) {
         const std::string ply = ply_bytes(std::endian::little, {.face = 6, .corners = corners});

@@ -21,7 +21,8 @@ using Point = std::array<double, 2>;
 using Outline = std::vector<Point>;
 using Indices = std::vector<std::int32_t>;
 
-/// Returns an OBJ text with one polygon over the vertices of an outline, in their order or in that of `corners`.
+/// Returns an OBJ text with one polygon, whose corners are the vertices of the outline in the order of `corners`, or in
+/// their own order if `corners` is empty.
 std::string obj_of(const Outline& outline, Indices corners = {}, const std::array<int, 3>& axes = {0, 1, 2},
                    double scale = 1) {
     std::ostringstream text;
@@ -50,7 +51,8 @@ Vec3d vertex(const TriangleMesh& mesh, std::size_t corner) {
     return {xyz[v], xyz[v + 1], xyz[v + 2]};
 }
 
-/// Expects n - 2 triangles of one orientation that meet in edges and vertices only, with the polygon's edges as border.
+/// Expects a triangulation of the polygon without overlaps: n - 2 triangles of one orientation that meet only in edges
+/// and vertices, and whose border is the polygon.
 void expect_cut(const TriangleMesh& mesh, const Indices& corners, int axis, bool degenerate = false) {
     EXPECT_TRUE(mesh.warnings.empty()) << mesh.warnings[0];
     ASSERT_EQ(mesh.triangle_count(), static_cast<std::int64_t>(corners.size()) - 2);
@@ -73,7 +75,8 @@ void expect_cut(const TriangleMesh& mesh, const Indices& corners, int axis, bool
     EXPECT_TRUE(detector.find(mesh.view(), {.weld = true}).pairs.empty());
 }
 
-/// Calls expect_cut() for every first corner, both directions, and planes normal to every axis.
+/// Calls expect_cut() for polygons that start at every corner, run in both directions, and lie in planes normal to
+/// every axis.
 void expect_cut_however_it_lies(const Outline& outline, const Indices& given = {}, bool degenerate = false) {
     Indices corners = given;
     for (std::size_t i = 0; given.empty() && i < outline.size(); ++i) corners.push_back(static_cast<std::int32_t>(i));
@@ -180,7 +183,7 @@ TEST(Triangulation, outline_that_covers_an_area_twice_crosses_itself) {
         EXPECT_EQ(mesh.warnings.size(), 1u) << obj_of(outline, corners);
         EXPECT_EQ(mesh.triangles, read(obj_of(outline, corners), Triangulation::fan).triangles);
     };
-    warns(square_and_hole, {0, 1, 2, 3, 0, 4, 7, 6, 5, 4});  // the hole runs as the outline does
+    warns(square_and_hole, {0, 1, 2, 3, 0, 4, 7, 6, 5, 4});  // the hole has the direction of the outline
     expect_cut(read(obj_of(square_and_hole, {0, 1, 2, 3, 0, 4, 5, 6, 7, 4})), {0, 1, 2, 3, 0, 4, 5, 6, 7, 4}, 2);
     warns({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {0, 1, 2, 3, 0, 1, 2, 3});
     warns({{0, 0}, {1, 0}, {1, 1}}, {0, 1, 2, 0, 1, 2});
@@ -196,7 +199,7 @@ TEST(Triangulation, corner_can_be_far_from_all_others) {
 }
 
 TEST(Triangulation, is_exact_at_every_magnitude) {
-    const Outline sliver{{0, 0}, {4, 0}, {2, 0x1p-50}, {2, 0x1p-51}};  // concave by one unit in the last place or so
+    const Outline sliver{{0, 0}, {4, 0}, {2, 0x1p-50}, {2, 0x1p-51}};  // concave by about 2^-51
     for (const double scale : {1.0, 0x1p-900, 0x1p900, 0x1p1020, 0x1p-1020}) {
         SCOPED_TRACE(scale);
         expect_cut(read(obj_of(sliver, {}, {0, 1, 2}, scale)), {0, 1, 2, 3}, 2);

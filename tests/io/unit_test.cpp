@@ -78,17 +78,17 @@ TEST(Unit, conversion_rounds_once) {
         EXPECT_EQ(coordinates(mesh)[3], exact[i]) << name_of(units[i]);
         EXPECT_EQ(mesh.unit, Unit::metre);
     }
-    // Compares with 127/5 of a number in integer arithmetic.
+    // Inches to millimetres: multiplies by 127/5, and compares with integer arithmetic.
     std::uint64_t random = 1;
     for (int i = 0; i < 10'000; ++i) {
         random = random * 6364136223846793005u + 1442695040888963407u;
         const auto whole =
-            static_cast<std::int64_t>(random >> 12 | std::uint64_t{1} << 52);  // the result is whole, too
+            static_cast<std::int64_t>(random >> 12 | std::uint64_t{1} << 52);  // so that the result is an integer, too
         TriangleMesh mesh = corner(Unit::inch, static_cast<double>(whole));
         convert_unit(mesh, Unit::millimetre);
         const __int128 product = static_cast<__int128>(whole) * 127;
         const double found = coordinates(mesh)[3];
-        // Five times the distance to the exact value is at most half of five units in the last place.
+        // The error is at most half a unit in the last place. `error` is five times the error, an integer.
         const auto error = static_cast<double>(static_cast<__int128>(found) * 5 - product);
         const double last = std::nextafter(found, INFINITY) - found;
         EXPECT_LE(2 * std::abs(error), 5 * last) << whole;

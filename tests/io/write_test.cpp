@@ -41,7 +41,7 @@ TEST(Write, error_names_the_path) {
 }
 
 TEST(Write, full_disk_keeps_the_old_file) {
-    // A limit on the size of files stands for the full disk.
+    // A limit on the size of files has the same effect as a full disk.
     const Folder folder;
     const fs::path path = folder.write("a.ply", "old");
     TriangleMesh large{std::vector<double>(30'000, 0.5), {0, 1, 2}, {}};
@@ -89,7 +89,7 @@ TEST(Write, read_only_file_is_not_replaced) {
     const Folder folder;
     const fs::path path = folder.write("a.ply", "old");
     fs::permissions(path, fs::perms::owner_read);
-    // To root every file is writable, so this is for nobody to try.
+    // The user root may write to every file, so the test becomes the user nobody.
     constexpr uid_t nobody = 65534;
     const bool root = geteuid() == 0;
     if (root &&
@@ -140,7 +140,7 @@ TEST(Write, error_names_the_folder_that_is_the_cause) {
 TEST(Write, unfinished_files_do_not_outlive_the_process) {
     const Folder folder;
     const auto begin = [&] {
-        static AtomicFile* const file = new AtomicFile(folder / "a.txt");  // as in a thread that is still at it
+        static AtomicFile* const file = new AtomicFile(folder / "a.txt");  // never closed, as if still in use
         file->stream() << "half";
         file->stream().flush();
         ASSERT_EQ(files_in(folder.path()), 1u);
@@ -155,7 +155,7 @@ TEST(Write, unfinished_files_do_not_outlive_the_process) {
     EXPECT_EXIT(
         {
             begin();
-            remove_unfinished_files();  // as a handler of signals does
+            remove_unfinished_files();  // as a signal handler does
             std::_Exit(0);
         },
         testing::ExitedWithCode(0), "");

@@ -1,5 +1,5 @@
-// Tests of zip archives as other programs write them: any mixture of ZIP64 fields, bytes before and after, damage; and
-// of zip archives that hold a mesh.
+// Tests of zip archives as other programs write them: any mixture of ZIP64 fields, other bytes before and after the
+// archive, and damage. Also tests of reading the mesh in a zip archive.
 
 #include <zlib.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr auto little = std::endian::little;
 
-/// Numbers that are all ones in their usual field, and are stored in a field of ZIP64.
+/// Set of numbers that an archive stores in ZIP64 fields. Their usual fields then have all bits set.
 enum Large : unsigned {
     list_size = 1,
     list_compressed = 2,
@@ -22,7 +22,7 @@ enum Large : unsigned {
     local_sizes = 8,
     end_offset = 16,
     end_counts = 32,
-    descriptor = 64,  ///< sizes follow the entry, and are missing before it
+    descriptor = 64,  ///< sizes are stored after the entry, and are 0 before it
     all = 127
 };
 
@@ -30,7 +30,7 @@ struct Archive {
     unsigned large = 0;
     bool deflated = true;
     std::string before = "", after = "";
-    std::uint16_t flags = 0, method = 0;  ///< added to the flags; replaces the method
+    std::uint16_t flags = 0, method = 0;  ///< combined with the usual flags; replaces the method if not 0
 
     std::string bytes(const std::vector<std::pair<std::string, std::string>>& entries) const {
         std::string text, list;
@@ -55,7 +55,7 @@ struct Archive {
         return is_large ? UINT32_MAX : static_cast<std::uint32_t>(value);
     }
     static std::string extra_field(const std::string& values) {
-        // Another field stands before it, as writers have.
+        // Another field precedes the field of ZIP64, as in archives of many programs.
         const std::string other = "UT" + packed(little, std::uint16_t{1}) + "x";
         if (values.empty()) return other;
         return other + packed(little, std::uint16_t{1}, static_cast<std::uint16_t>(values.size())) + values;
@@ -146,7 +146,7 @@ TEST(Zip, truncation_is_an_error_and_damage_never_changes_the_mesh) {
             std::string damaged = whole;
             damaged[i] = static_cast<char>(damaged[i] ^ 0x81);
             try {
-                expect_same(read_bytes(damaged, "a.3mf"), mesh);  // the damaged byte is not needed
+                expect_same(read_bytes(damaged, "a.3mf"), mesh);  // if the damaged byte is not needed
             } catch (const Error& error) {
                 EXPECT_EQ(error.code, ErrorCode::format) << error.what();
             }

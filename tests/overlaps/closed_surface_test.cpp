@@ -58,7 +58,7 @@ TEST(OpenEdges, are_listed_by_vertices_with_the_lowest_triangle) {
         return std::vector<OpenEdge>(open.begin(), open.end());
     };
     EXPECT_TRUE(list().empty());
-    std::swap(triangles[10], triangles[11]);  // the last triangle has the direction of adjacent ones along its edges
+    std::swap(triangles[10], triangles[11]);  // reverses the last triangle, whose edges then run as in adjacent ones
     EXPECT_EQ(list(), (std::vector<OpenEdge>{{{0, 2}, 0}, {{0, 3}, 1}, {{2, 3}, 2}}));
     triangles = {0, 1, 2};
     EXPECT_EQ(list(), (std::vector<OpenEdge>{{{0, 1}, 0}, {{0, 2}, 0}, {{1, 2}, 0}}));
@@ -84,17 +84,17 @@ TEST(OpenEdges, welding_closes_seams) {
 }
 
 TEST(ClosedSurface, closed_means_each_edge_balances_in_both_directions) {
-    EXPECT_TRUE(Mesh(3, {0, 1, 2, 0, 2, 1}).surface.closed());   // a membrane of two sides
-    EXPECT_FALSE(Mesh(3, {0, 1, 2, 0, 1, 2}).surface.closed());  // twice the same side
+    EXPECT_TRUE(Mesh(3, {0, 1, 2, 0, 2, 1}).surface.closed());   // two faces back to back
+    EXPECT_FALSE(Mesh(3, {0, 1, 2, 0, 1, 2}).surface.closed());  // two copies of one face
     EXPECT_TRUE(Mesh(4, {0, 1, 2, 0, 2, 1, 3, 3, 1}).surface.closed() ==
-                Mesh(4, {0, 1, 2, 0, 2, 1}).surface.closed());  // a face that goes there and back
+                Mesh(4, {0, 1, 2, 0, 2, 1}).surface.closed());  // degenerate: its edges 31 and 13 cancel
     EXPECT_TRUE(Mesh(0, {}).surface.closed());
 }
 
 TEST(ClosedSurface, components_are_intervals_of_places_without_loose_vertices) {
     std::vector<std::int32_t> triangles = tetrahedron(1);
     for (const std::int32_t v : tetrahedron(6)) triangles.push_back(v);
-    const Mesh mesh(10, triangles);  // vertices 0 and 5 are loose
+    const Mesh mesh(10, triangles);  // no face has the vertices 0 and 5
     EXPECT_EQ(mesh.surface.places(), 8);
     ASSERT_EQ(mesh.surface.components().size(), 3u);
     EXPECT_EQ(mesh.surface.components()[1], 4);

@@ -233,7 +233,7 @@ TEST_F(ContainmentByName, welding_closes_seams) {
         << error.what();
 }
 TEST_F(ContainmentByName, contact_at_welded_vertices_alone_does_not_count) {
-    ContainedSoup corner = cube(0, 0, 0, 1);  // one vertex at that of the cube, the others inside
+    ContainedSoup corner = cube(0, 0, 0, 1);  // one vertex will be at a corner of the outer cube, the others are inside
     corner.vertices[7] = {2, 2, 2};
     EXPECT_EQ(relation(cube(0, 0, 0, 4), corner), "meeting");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), corner, true), "inside");
@@ -241,7 +241,8 @@ TEST_F(ContainmentByName, contact_at_welded_vertices_alone_does_not_count) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0, 0, 0, 4), true), "meeting") << "triangles that are equal";
 }
 TEST_F(ContainmentByName, body_that_enters_through_welded_vertices_is_inside) {
-    // Two cones with one tip at a vertex of the cube, one of them inside, one outside, and one component for all.
+    // Two tetrahedra with a common tip at a vertex of the cube, one inside the cube and one outside. Through the tip
+    // they are one connected component.
     ContainedSoup hourglass;
     hourglass.vertices = {{2, 2, 2}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}, {3, 3, 4}, {4, 3, 3}, {3, 4, 3}};
     hourglass.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}, {0, 4, 5}, {0, 5, 6}, {0, 6, 4}, {4, 6, 5}};
@@ -264,7 +265,7 @@ TEST_F(ContainmentByName, open_body_can_be_inside_but_contains_nothing) {
         EXPECT_FALSE(around.any);
         ASSERT_EQ(around.skipped.size(), 1u);
         EXPECT_EQ(around.skipped[0], 0);
-        // Where surfaces meet, no winding number is needed.
+        // Bodies whose surfaces meet need no winding number, so that one of them is open is no error.
         for (const Output output : contained_outputs) {
             IntersectionQuery query = with_containment(output);
             query.open = OpenSurfaces::error;

@@ -1,4 +1,5 @@
-// Compares crossings of faces, signs and numbers in double words, with rational arithmetic.
+// Compares crossings of two faces in double-double arithmetic, signs and numbers, with rational arithmetic. Ties are
+// decided as if the second face were shifted by an infinitesimal vector (Shift::forward) or its opposite.
 
 #include <gtest/gtest.h>
 
@@ -81,7 +82,8 @@ TEST_P(CrossingOfEachKind, untied_pairs_cross_alike_under_both_shifts) {
     }
 }
 
-// With a and b exchanged, the other face is shifted, so the shift is reversed.
+// Only the second face is shifted. If a and b are exchanged, the other face is shifted; the opposite shift then gives
+// the same relative position.
 TEST_P(CrossingOfEachKind, exchanged_faces_cross_alike) {
     const FloatEnvironment environment;
     for (int round = 0; round < rounds() / 8; ++round) {

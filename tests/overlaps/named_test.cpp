@@ -32,7 +32,8 @@ Soup cone(const Numbers& tip, const std::vector<Numbers>& rim) {
     for (std::int32_t i = 1; i + 1 < n; ++i) soup.triangles.push_back({1, 2 + i, 1 + i});
     return soup;
 }
-/// Returns a sphere of rings, whose mirror image touches it at its pole.
+/// Returns a sphere made of `rings` rings of triangles, above the plane z = 0 if `sign` is 1, below it if −1. Spheres
+/// of opposite signs touch at their common pole, the origin.
 Soup ball(int rings, double sign) {
     Soup soup;
     const int around = 2 * rings;
@@ -56,7 +57,8 @@ Soup ball(int rings, double sign) {
         for (auto& t : soup.triangles) std::swap(t[1], t[2]);
     return soup;
 }
-/// Returns a tent over or under a zigzag ridge: two of opposite `sign` share the ridge.
+/// Returns a body with three sides (a tent), above a zigzag ridge if `sign` is 1, below it if −1. Tents of opposite
+/// signs share the ridge.
 Soup tent(int vertices, double sign) {
     Soup soup;
     for (int i = 0; i < vertices; ++i) soup.vertices.push_back({0.25 * (i % 2), 1.0 * i, 0.125 * (i % 3)});

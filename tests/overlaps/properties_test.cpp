@@ -72,7 +72,8 @@ Soup subdivided(const Soup& soup) {
 void expect_near(const Numbers& found, const Numbers& expected, double scale) {
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found[k], expected[k], 1e-15 * scale);
 }
-/// Expects equal rows up to the sign of 0. Torques are only near, as they are about centroids, which are rounded.
+/// Expects equal rows up to the sign of 0. Compares centroids and torques approximately: centroids are rounded, and
+/// torques are about centroids.
 void expect_same(const Row& found, const Row& expected) {
     ASSERT_EQ(found.exists, expected.exists);
     if (!found.exists) return;
@@ -100,7 +101,7 @@ Row exchanged(Row row) {
 
 class OverlapProperties : public testing::TestWithParam<bool> {
    protected:
-    /// Calls check(a, b) for pairs of bodies, on a grid or not.
+    /// Calls check(a, b) for pairs of bodies, on a grid if the test's parameter is true.
     template <class Check>
     void for_pairs(int count, Check check) {
         for (unsigned seed = 0; seed < static_cast<unsigned>(more_or_less(count)); ++seed) {
@@ -178,7 +179,7 @@ TEST_P(OverlapProperties, exact_translations_move_only_the_centroid) {
         for (std::size_t k = 0; k < 3; ++k) found.centroid[k] -= by[k];
         if (found.volume != 0) expect_near(found.centroid, expected.centroid, 1024);
         found.centroid = expected.centroid;
-        found.torque = expected.torque;  // about points that are rounded further away
+        found.torque = expected.torque;  // not compared: centroids farther from 0 are rounded more coarsely
         expect_same(found, expected);
     });
 }
@@ -239,7 +240,7 @@ TEST_P(OverlapProperties, curves_of_both_orders_add_up_to_twice_the_area_vector)
         EXPECT_TRUE(one.all_closed && other.all_closed);
         for (std::size_t k = 0; k < 3; ++k) {
             EXPECT_NEAR(one.area[k] - other.area[k], 2 * row.area_vector[k], 1e-13);
-            // Points of both orders are the same: torques are about one point.
+            // Torques of both orders are about the same point.
             EXPECT_NEAR(one.torque[k] - other.torque[k], 2 * row.torque[k], 1e-12);
         }
     });

@@ -26,7 +26,7 @@ void add_membrane(Dice& dice, int grid, Soup& soup) {
     soup.triangles.push_back({first, first + 1, first + 2});
     soup.triangles.push_back({first, first + 2, first + 1});
 }
-/// Adds two tetrahedra with a common face, or a pyramid without a floor and its mirror image: a closed surface.
+/// Adds a closed surface of six triangles: the sides of two tetrahedra that have a common base, without the base.
 void add_bipyramid(Dice& dice, int grid, Soup& soup) {
     const auto first = static_cast<std::int32_t>(soup.vertices.size());
     for (int v = 0; v < 5; ++v)
@@ -37,7 +37,8 @@ void add_bipyramid(Dice& dice, int grid, Soup& soup) {
     }
 }
 
-/// Returns a body of one or two such parts. Some are inside out; some lie on only two levels of a grid.
+/// Returns a body of one or two boxes, membranes, bipyramids or tetrahedra with vertices on a grid; some are inside
+/// out. Half of the bodies are cut off at a coordinate from 1 to 3, so that many vertices have equal coordinates.
 Soup small_body(Dice& dice) {
     const int grid = 2 + dice.below(3);
     Soup soup;

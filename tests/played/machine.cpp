@@ -1,5 +1,5 @@
-// Settings of the machine that plays the device in tests of the backend: small, so that each call starts few threads.
-// The variable CUDA_BLOCK_THREADS (64 or 256) sets the number of threads per block.
+// Settings of the emulated device in tests of the cuda backend: one multiprocessor, so that each call starts few
+// threads. The variable CUDA_BLOCK_THREADS (64 or 256) sets the number of threads per block.
 
 #include <cstdlib>
 #include <string>

@@ -1,6 +1,7 @@
 #pragma once
 
-// Pairs of features for the tests of this folder, and how they print in failures.
+// Functions that make pairs of features for the tests of this folder, and operators that print them in failure
+// messages.
 
 #include <ostream>
 

@@ -1,4 +1,5 @@
-// Checks of changes that must not change a distance, of changes with a known effect, and against other computations.
+// Checks that some changes of features leave their distance as it is, that other changes have the expected effect, and
+// that independent computations give the same distance.
 
 #include <gtest/gtest.h>
 
@@ -90,8 +91,9 @@ TEST(Distance, scales_with_the_unit) {
     });
 }
 
-// Search over all pairs of vertex sets, for comparison: finds the closest points of their affine hulls, and the closest
-// of these that are in the features. Uses Lagrange multipliers, and no cross products.
+// Search for comparison, over all pairs of parts: a part of a feature is the feature itself, or one of its edges or
+// corners. Finds the closest points of the affine hulls of each pair of parts, by Lagrange multipliers and without
+// cross products, and takes the closest of these that are in the features.
 
 using Matrix = std::vector<std::vector<Rational>>;
 
@@ -114,14 +116,16 @@ std::optional<std::vector<Rational>> solve(Matrix rows) {
     return solution;
 }
 
-/// Chosen points of both features, with the weights of the closest points of their hulls.
+/// One pair of parts, with the barycentric weights of the closest points of their affine hulls.
 struct Nearest {
     Rational squared;
-    unsigned chosen = 0;           ///< one bit per point
+    unsigned chosen = 0;           ///< corners of the parts: one bit for each point of both features
     std::vector<Rational> weight;  ///< one for each point of both features
 };
 
-/// Minimises |Σ wᵢ σᵢ pᵢ|², with σ = 1 for one feature and −1 for the other and the weights of each adding up to 1.
+/// Minimises |Σ wᵢ σᵢ pᵢ|² over the chosen points, with σ = 1 for the first feature, σ = −1 for the second, and weights
+/// that add up to 1 for each. `split`: number of points of the first feature. Returns nothing if the minimum is not
+/// unique, or not in the parts.
 std::optional<Nearest> nearest_of_hulls(const Features& features, std::size_t split, unsigned chosen) {
     std::vector<std::size_t> index;
     for (std::size_t i = 0; i < points_of(features.kinds); ++i) {
@@ -156,7 +160,8 @@ std::optional<Nearest> nearest_of_hulls(const Features& features, std::size_t sp
 
 std::size_t split_of(const Features& features) { return features.kinds == FeatureKinds::edge_edge ? 2 : 1; }
 
-/// Returns the vertex sets of the parts, in the order of types. Points of the first feature are the lower bits.
+/// Returns the corners of each pair of parts, one bit for each, in the order of ClosestPoints::type. The points of the
+/// first feature are the lower bits.
 std::vector<unsigned> parts(FeatureKinds kinds) {
     switch (kinds) {
         case FeatureKinds::vertex_face:
@@ -171,7 +176,7 @@ std::vector<unsigned> parts(FeatureKinds kinds) {
     return {0b11};
 }
 
-/// Returns the closest parts, and their type. Of equally close parts, the first type counts.
+/// Returns the closest pair of parts and its type; if several are equally close, the first.
 std::pair<Nearest, std::uint8_t> search(const Features& features) {
     std::optional<Nearest> best;
     std::uint8_t type = 0, best_type = 0;
@@ -198,7 +203,7 @@ TEST(Distance, is_the_least_that_a_search_of_all_parts_finds) {
         ASSERT_EQ(closest.type, type) << features;
         ASSERT_EQ(distance.touching(), nearest.squared == 0) << features;
         ASSERT_EQ(distance.squared(), static_cast<double>(nearest.squared)) << features;
-        // The square of `down` is at most the squared distance, that of the next number is above it.
+        // The square of `down` is at most the squared distance; the square of the next number is above it.
         const double down = distance.rounded_down();
         ASSERT_LE(exactly(down) * exactly(down), nearest.squared) << features;
         const Rational up = exactly(std::nextafter(down, 1e9));
@@ -267,7 +272,7 @@ TEST(Distance, keeps_its_symmetries_for_any_magnitudes) {
     }
 }
 
-// The distance is at most that of any parts, and the smaller a part, the greater its distance.
+// Replacing a feature by a part of it (a face by an edge, or an edge by an end) never decreases the distance.
 TEST(Distance, is_at_most_that_of_parts) {
     for_features(19, rounds, [](const Features& features, auto&) {
         const auto& [p, q, r, s] = features.point;

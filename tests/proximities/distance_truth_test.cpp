@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 struct Frame {
     std::string result_file, mesh;  ///< names of files
     double radius;
-    std::size_t every;  ///< rational arithmetic checks one of so many lines
+    std::size_t every;  ///< interval of the lines that are also checked in rational arithmetic
     std::size_t lines, touching;
     friend std::ostream& operator<<(std::ostream& out, const Frame& frame) { return out << frame.result_file; }
 };
@@ -155,7 +155,8 @@ void for_close_intervals(std::vector<Interval> a, std::vector<Interval> b, doubl
 
 class NearPairs : public DistanceTruth {};
 
-// Counts the near pairs of all features: the pairs in the list are near, so equal numbers mean equal sets.
+// Counts the near pairs of all features. DistanceTruth checks that all pairs in the list are near, so equal numbers
+// mean equal sets.
 TEST_P(NearPairs, are_as_many_as_in_the_list) {
     const Mesh& mesh = *mesh_;
     const Reach reach{GetParam().radius, 0, false};

@@ -30,7 +30,7 @@ struct Shares {
     Share within, squared, down, closest;
 };
 
-/// Returns the squared distances that a table computes in lanes for a batch full of the same features.
+/// Returns the squared distances that the kernels of a table compute in SIMD lanes, for a batch of equal features.
 std::array<double, cpu::GuessBatch::most> squared_in_lanes(const cpu::FeatureTables& table, const Features& features) {
     cpu::GuessBatch batch;
     const detail::Guess guess = detail::guess_closest(detail::Differences(features));
@@ -56,7 +56,8 @@ void expect_no_contradiction(Proximity proximity, const RationalDistance& exact,
         << features << " at " << reach.a << " + " << reach.b << (reach.strict ? ", strict" : "");
 }
 
-/// Calls `check` for radii at the distance and next to it, by units in the last place and less, and by more.
+/// Calls `check` for radii equal to the distance, for radii that differ from it by a few units in the last place or
+/// less, and for radii that differ by more.
 template <class Check>
 void for_reaches(double distance, Check check) {
     for (const bool strict : {false, true}) {
@@ -80,7 +81,7 @@ void expect_exact_results(const Features& features, Shares& shares) {
     detail::Enclosure enclosure = quick.enclosure();
     for_reaches(down, [&](const Reach& reach) {
         const double radius = reach.a + reach.b;
-        // Each stage on its own: the later ones hide the earlier.
+        // Checks each filter on its own, since compare() may hide the error of one of them.
         if (differences.within(g, radius)) {
             ASSERT_TRUE(exact.within(reach)) << features << " at " << radius;
         }
@@ -142,7 +143,7 @@ void expect_exact_results(const Features& features, Shares& shares) {
     ASSERT_LE(counts.rational, 1) << features;
 }
 
-/// Change of lattice points that makes them as hard as possible.
+/// Change of lattice points that makes decisions about them hard.
 struct Disturbance {
     std::string name;
     std::function<Vec3d(Vec3d, RandomFeatures&)> change;
@@ -225,7 +226,7 @@ INSTANTIATE_TEST_SUITE_P(Of, QuickResults, testing::ValuesIn(disturbances), [](c
     return name;
 });
 
-// Kernels that decide anything decide nearly all features in general position.
+// Each table of kernels either computes nothing (scalar code) or decides nearly all features in general position.
 TEST(FilteredDistance, is_nearly_always_decided_in_lanes) {
     const auto tables = cpu::all_feature_kernels();
     std::vector<Share> shares(tables.size());
@@ -237,7 +238,7 @@ TEST(FilteredDistance, is_nearly_always_decided_in_lanes) {
     });
     for (const Share& share : shares)
         EXPECT_TRUE(share.undecided == share.attempts || share.value() < 0.02) << share.value();
-    EXPECT_EQ(shares.front().undecided, shares.front().attempts);  // the plain table leaves all to the enclosure
+    EXPECT_EQ(shares.front().undecided, shares.front().attempts);  // the scalar table decides nothing
 }
 
 // A batch can hold any number of features of all kinds.
@@ -259,7 +260,7 @@ TEST(FilteredDistance, in_lanes_does_not_depend_on_the_batch) {
         }
 }
 
-// On a lattice nothing is rounded, so ties are no reason for rationals.
+// On a lattice nothing is rounded, so ties (radii equal to the distance) need no rational arithmetic.
 TEST(FilteredDistance, decides_ties_of_lattices_without_rationals) {
     const Vec3d o{0, 0, 0}, x{4, 0, 0}, y{0, 4, 0};
     const struct {
@@ -310,7 +311,8 @@ TEST(FilteredDistance, decides_ties_of_lattices_without_rationals) {
     }
 }
 
-// Correct bounds could still be too wide.
+// Checks that correct bounds are not too wide: they are at most 2^-70 of the squared distance, and at least one error
+// reaches a fiftieth of its bound.
 TEST(FilteredDistance, is_enclosed_tightly) {
     double closest_to_bound = 0;
     for_features(29, 60, [&](Features features, RandomFeatures& random) {

@@ -45,7 +45,7 @@ TEST(VertexFaceDistance, is_measured_to_the_edges) {
     expect(to_face({1, -2, 3}), 13, P_E0, 0.25, 0);
     expect(to_face({-2, 3, 3}), 13, P_E2, 0, 0.75);
     expect(to_face({4, 2, 0}), 2, P_E1, 0.75, 0.25);
-    // Above an edge, or on it, the edge is the smaller part.
+    // For a vertex above an edge, or on it, the closest part is the edge and not the face.
     expect(to_face({1, 0, 3}), 9, P_E0, 0.25, 0);
     expect(to_face({1, 3, 0}), 0, P_E1, 0.25, 0.75);
 }
@@ -62,14 +62,14 @@ TEST(VertexFaceDistance, is_measured_to_the_corners) {
 TEST(VertexFaceDistance, is_measured_to_collapsed_faces) {
     using enum VertexFaceType;
     const Vec3d o{0, 0, 0}, x{4, 0, 0}, half{2, 0, 0};
-    // On one line, with each corner in the middle: the first edge that holds the closest point.
+    // Corners on one line, each of them once in the middle: the first edge that contains the closest point is reported.
     expect(vertex_face({1, 0, 2}, o, x, half), 4, P_E0, 0.25, 0);
     expect(vertex_face({1, 0, 2}, half, x, o), 4, P_E1, 0.25, 0.75);
     expect(vertex_face({1, 0, 2}, o, half, x), 4, P_E0, 0.5, 0);
     expect(vertex_face({3, 0, 2}, o, half, x), 4, P_E1, 0.5, 0.5);
     expect(vertex_face({2, 0, 2}, o, x, half), 4, P_T2, 0, 1);
     expect(vertex_face({5, 0, 0}, o, half, x), 1, P_T2, 0, 1);
-    // Two equal corners: the first of them.
+    // Two equal corners: the first of them is reported.
     expect(vertex_face({5, 0, 0}, o, x, x), 1, P_T1, 1, 0);
     expect(vertex_face({1, 1, 0}, o, x, x), 1, P_E0, 0.25, 0);
     expect(vertex_face({1, 1, 0}, x, x, o), 1, P_E1, 0.25, 0.75);
@@ -92,7 +92,7 @@ TEST(EdgeEdgeDistance, is_measured_from_an_end_to_the_inside) {
     expect(edge_edge(o, x, {2, 5, 9}, {1, 1, 2}), 5, EA_EB1, 0.25, 1);
     expect(edge_edge({1, 1, 2}, {2, 5, 9}, o, x), 5, EA0_EB, 0, 0.25);
     expect(edge_edge({2, 5, 9}, {1, 1, 2}, o, x), 5, EA1_EB, 1, 0.25);
-    // The lines are closest at an end exactly.
+    // The closest point of the second line is exactly its end.
     expect(edge_edge(o, x, {1, 0, 2}, {1, 5, 2}), 4, EA_EB0, 0.25, 0);
 }
 
@@ -146,7 +146,7 @@ TEST(VertexEdgeDistance, is_measured_to_the_inside_and_to_the_ends) {
     expect(vertex_edge({5, 2, 2}, o, x), 9, P_E1, 1, 0);
     expect(vertex_edge({3, 0, 0}, o, x), 0, P_E, 0.75, 0);
     expect(vertex_edge({3, 0, 0}, x, x), 1, P_E0, 0, 0);
-    // Within a third of the way, rounded.
+    // The closest point is at a third of the edge, which is rounded.
     expect(vertex_edge({1, 0, 1}, o, {3, 0, 0}), 1, P_E, 1.0 / 3, 0);
 }
 
@@ -203,7 +203,8 @@ TEST(Distance, is_right_at_the_limits_of_float64) {
 }
 
 TEST(Distance, squared_is_rounded_to_nearest_even) {
-    // 2^-53 beside 1: half a unit in the last place; what is next to it decides.
+    // 1 + 2^-53 is the tie between 1 and the next float64 number. Smaller sums round to 1, larger ones to the next
+    // number.
     const double half = 0x1p-53;
     const auto squared = [](double y, double z) {
         return RationalDistance(vertex_vertex({0, 0, 0}, {1, y, z})).squared();
@@ -214,12 +215,13 @@ TEST(Distance, squared_is_rounded_to_nearest_even) {
     EXPECT_EQ(squared(0x1p-27, 0x1p-27), 1);
     EXPECT_EQ(squared(std::nextafter(0x1p-27, 1), 0x1p-27), 1 + 0x1p-52);
     EXPECT_EQ(squared(std::nextafter(0x1p-27, 0), 0x1p-27), 1);
-    // The largest_float number that still rounds to a finite one: 2^1024 - 2^970 is the first that does not.
+    // Sums below 2^1024 - 2^970 round to a finite number, at most largest_float; larger sums and this one round to
+    // infinity.
     const auto limit = [](double x, double y, double z) {
         return RationalDistance(vertex_vertex({0, 0, 0}, {x, y, z})).squared();
     };
     EXPECT_EQ(limit(0x1p512, 0, 0), infinity);
-    // (2^512 - 2^459)² is 2^1024 - 4 · 2^970 and little more.
+    // (2^512 - 2^459)² is slightly more than 2^1024 - 4 · 2^970.
     const double x = std::nextafter(0x1p512, 0);
     EXPECT_EQ(limit(x, 0, 0), std::nextafter(largest_float, 0));
     EXPECT_EQ(limit(x, 0x1p485, 0x1p485), largest_float);

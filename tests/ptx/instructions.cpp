@@ -33,7 +33,7 @@ void put(Thread& t, std::uint32_t slot, T value) {
     t.slots[slot] = bits;
 }
 
-// d = f(a), d = f(a, b), d = f(a, b, c), operands of one type.
+// Instructions d = f(a), d = f(a, b) and d = f(a, b, c), whose operands have one type.
 template <class T, class F>
 Run one(F) {
     return [](Thread& t, const Instruction& i) { put(t, i.slot[0], F{}(get<T>(t, i.slot[1]))); };
@@ -60,7 +60,8 @@ void select(Thread& t, const Instruction& i) {
     put(t, i.slot[0], get<T>(t, i.slot[get<bool>(t, i.slot[3]) ? 1 : 2]));
 }
 
-// Memory accesses. An address that is not a multiple of the size of the access is an error on a device.
+// Returns the host address of a memory access. Throws if a device would report an error: for null pointers, and for
+// addresses that are not a multiple of `alignment`, the size of the access.
 std::byte* place(Thread& t, std::uint32_t slot, std::int64_t offset, std::size_t alignment) {
     const std::uint64_t address = t.slots[slot] + static_cast<std::uint64_t>(offset);
     if (address < 4096) throw Failure("PTX reads or writes through a null pointer");
@@ -247,11 +248,11 @@ void add_memory(Table& table, const std::string& type) {
     table["st.v4." + type] = store<T, 4>;
 }
 
-// Conversions. Integers to integers take the low bits, or extend by the sign of the source; conversions to integers
-// saturate.
+// Conversions. From one integer type to another, the result has the low bits, or is extended by the sign of the source.
+// From floating-point numbers to integers, values out of range give the smallest or largest integer, and NaN gives 0.
 template <class To, class From>
 void convert(Thread& t, const Instruction& i) {
-    if constexpr (std::is_signed_v<To>) {  // up to the width of the register
+    if constexpr (std::is_signed_v<To>) {  // extends the sign up to the width of the register
         const auto wide = static_cast<uint64_t>(static_cast<int64_t>(static_cast<To>(get<From>(t, i.slot[1]))));
         t.slots[i.slot[0]] = i.register_bytes < 8 ? wide & ((1ull << 8 * i.register_bytes) - 1) : wide;
     } else {
@@ -302,7 +303,7 @@ void permute_bytes(Thread& t, const Instruction& i) {
     for (unsigned k = 0; k < 4; ++k) {
         const uint32_t nibble = selector >> 4 * k & 15;
         uint32_t byte = static_cast<uint32_t>(bytes >> 8 * (nibble & 7)) & 255;
-        if (nibble & 8) byte = byte & 128 ? 255 : 0;  // its sign
+        if (nibble & 8) byte = byte & 128 ? 255 : 0;  // repeats the sign bit of the byte
         result |= byte << 8 * k;
     }
     put(t, i.slot[0], result);
@@ -319,7 +320,7 @@ void add_warp(Table& table) {
         put(t, i.slot[0], static_cast<uint32_t>(get<bool>(t, i.slot[1])));
     };
     table["vote.sync.any.pred"] = table["vote.sync.all.pred"] = move<bool>;
-    table["shfl.sync.idx.b32"] = [](Thread& t, const Instruction& i) {  // value | predicate, source, ...
+    table["shfl.sync.idx.b32"] = [](Thread& t, const Instruction& i) {  // operands: value | predicate, source, ...
         put(t, i.slot[1], true);
         put(t, i.slot[0], get<uint32_t>(t, i.slot[2]));
     };

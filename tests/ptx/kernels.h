@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs kernels of the played device from their PTX instead of their C++.
+// Runs kernels of the emulated device from the PTX that nvcc has generated instead of from their C++.
 
 #include <map>
 #include <memory>

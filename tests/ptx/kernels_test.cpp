@@ -59,7 +59,7 @@ class KernelsByTheirPtx : public testing::Test {
             EXPECT_TRUE(same_features(found, cpu_.find(soup.view().moving_to(soup.end_view()), query)));
             impacts_ += found.count;
         }
-        for (const double radius : {unit, 1.5 * unit}) {  // on a grid many distances equal the first one
+        for (const double radius : {unit, 1.5 * unit}) {  // on a grid many distances equal the first radius
             const ProximityQuery query{.radius = radius};
             const Proximities& found = cuda_.find(soup.view(), query);
             EXPECT_TRUE(same_features(found, cpu_.find(soup.view(), query)));
@@ -111,7 +111,7 @@ TEST_F(KernelsByTheirPtx, hard_motions_and_distances_match_the_cpu) {
     EXPECT_GE(near_, 10'000);
 }
 
-// Edges and points of no triangle have kernels of their own.
+// Codimensional edges and points, which belong to no triangle, are decided by separate kernels.
 TEST_F(KernelsByTheirPtx, codimensional_features_match_the_cpu) {
     for (unsigned seed = 1; seed <= static_cast<unsigned>(more_or_less(3)); ++seed) {
         SCOPED_TRACE(seed);

@@ -186,7 +186,7 @@ class Decoder {
         for (;;) {
             rest = trimmed(rest);
             if (rest.empty()) return;
-            if (rest.front() == '{' || rest.front() == '}') {  // scopes; their names are declared again
+            if (rest.front() == '{' || rest.front() == '}') {  // scope: names declared in it replace earlier ones
                 rest.remove_prefix(1);
                 continue;
             }
@@ -322,7 +322,7 @@ class Decoder {
     std::map<std::uint32_t, unsigned> register_bytes_;
     std::map<std::string, Piece> pieces_;
     std::map<std::string, std::int64_t> labels_;
-    std::map<std::ptrdiff_t, std::string> targets_;  ///< of branches, by instruction
+    std::map<std::ptrdiff_t, std::string> targets_;  ///< label of each branch, by the index of its instruction
 };
 
 Program::Program(std::string text) : text_(without_remarks(text)) {
@@ -334,7 +334,7 @@ Program::Program(std::string text) : text_(without_remarks(text)) {
         }
         const std::size_t stop = std::min(rest.find_first_of(";{="), rest.size());
         if (stop == rest.size()) break;
-        if (rest[stop] != '{') {  // a declaration; behind '=' it has values in braces
+        if (rest[stop] != '{') {  // a declaration; '=' may be followed by values in braces
             const std::size_t end = rest.find(';');
             add_global(rest.substr(0, end));
             rest.remove_prefix(end + 1);

@@ -10,7 +10,7 @@
 //     slots    constants | addresses of its memory | registers
 //     memory   parameters, result, local arrays, parameters and results of its calls
 //
-// Constants occupy slots, too, so a decoded instruction is a function of the host and the indices of its slots.
+// Constants occupy slots, too, so a decoded instruction needs only a pointer to a host function and indices of slots.
 
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +37,7 @@ struct Instruction {
     static constexpr std::uint32_t always = ~0u;
 
     void (*run)(Thread&, const Instruction&) = nullptr;
-    std::uint32_t slot[6] = {};    ///< operands from left to right, vectors and pairs taken apart
+    std::uint32_t slot[6] = {};    ///< operands from left to right; each element of a vector has its own slot
     std::uint32_t guard = always;  ///< slot of the predicate
     bool guard_is_negated = false;
     unsigned register_bytes = 8;  ///< width of the first operand's register, to which loads extend
@@ -101,10 +101,10 @@ class Thread {
     /// Number of instructions that were run.
     std::uint64_t steps() const { return steps_; }
 
-    // For instructions:
-    std::uint64_t* slots = nullptr;      ///< of the frame
+    // Members for instructions:
+    std::uint64_t* slots = nullptr;      ///< slots of the current frame
     const Instruction* next = nullptr;   ///< null: the function returns
-    const Instruction* first = nullptr;  ///< of the function
+    const Instruction* first = nullptr;  ///< first instruction of `function`
     const Function* function = nullptr;
     void call(const Call& call);
 
@@ -112,7 +112,7 @@ class Thread {
     std::byte* enter(const Function& callee);
     void execute(const Function& callee);
 
-    std::byte* memory_ = nullptr;  ///< of the frame
+    std::byte* memory_ = nullptr;  ///< memory of the current frame
     std::vector<std::uint64_t> slot_stack_, memory_stack_;
     std::size_t slots_used_ = 0, memory_used_ = 0;  ///< in words
     std::uint64_t steps_ = 0;

@@ -1,4 +1,4 @@
-// Checks how much collides in the scenes, which is what they were made for.
+// Checks that the scenes have as many collisions as they were made for.
 
 #include <gtest/gtest.h>
 

@@ -98,7 +98,7 @@ TEST(FreePath, ends_before_an_impact_and_spares_other_points) {
     const std::vector<Vec3d> start = scene(0.5), end = scene(-2);
     std::vector<Vec3d> reached = end;
     const auto way = NearContactFinder(triangles, {}).shorten(start, reached, none_held(start));
-    EXPECT_NEAR(way.toi, 0.45 / 2.5, 1e-12);  // a tenth of the distance is left
+    EXPECT_NEAR(way.toi, 0.45 / 2.5, 1e-12);  // a tenth of the distance, 0.05, remains
     EXPECT_EQ(way.share, 1);
     Detector reference({.backend = Backend::reference});
     EXPECT_FALSE(reference.any((view(start, triangles)).moving_to(view(reached, triangles).vertices), ImpactQuery()));
@@ -121,7 +121,7 @@ TEST(FreePath, is_shortened_for_all_if_driven_points_would_meet) {
 }
 
 TEST(FreePath, is_shortened_if_a_pair_meets_at_its_very_end) {
-    const std::vector<Vec3d> start = one_above(0.5), end = one_above(0.05);  // a tenth of the distance, exactly
+    const std::vector<Vec3d> start = one_above(0.5), end = one_above(0.05);  // ends exactly at a tenth of the distance
     std::vector<Vec3d> reached = end;
     const auto way = NearContactFinder(two, {}).shorten(start, reached, none_held(start));
     EXPECT_EQ(way.toi, 1);
@@ -141,7 +141,8 @@ TEST(FreePath, holds_back_a_face_that_hits_a_vertex) {
 }
 
 TEST(FreePath, ends_before_points_that_are_held_back) {
-    // The second of three falls on the first; the third, which would have been free, falls on the second.
+    // The second of three triangles falls on the first and is held back. So the third, which could take its whole step
+    // if the second took its own, falls on the second.
     const Triangles three{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
     const auto stack = [](double second, double third) {
         std::vector<Vec3d> points;
@@ -231,7 +232,7 @@ TEST(FreeCloth, passes_through_nothing) {
         fall.advance(frame, 1, 20, [&](const StepLength& step) {
             EXPECT_GT(step.toi, 0) << "frame " << frame;
             EXPECT_LE(step.toi, 1) << "frame " << frame;
-            EXPECT_EQ(step.share, 1) << "frame " << frame;  // nothing is driven: single points are enough
+            EXPECT_EQ(step.share, 1) << "frame " << frame;  // no point is driven: only single ones are held back
             EXPECT_EQ(step.held_back > 0, step.toi < 1) << "frame " << frame;
             cut += step.toi < 1;
             const VertexView now = fall.mesh().vertices;
@@ -242,12 +243,12 @@ TEST(FreeCloth, passes_through_nothing) {
             last = fall.points();
         });
     }
-    EXPECT_GT(cut, 0);  // or nothing was to be shown
+    EXPECT_GT(cut, 0);  // otherwise the test has shown nothing
     EXPECT_TRUE(Detector({.backend = Backend::reference}).find(fall.mesh()).pairs.empty());
 }
 
 TEST(FreeCloth, stops_at_obstacles_at_any_speed) {
-    Fall fall(8, 300);  // ten units a frame, three times what is below it
+    Fall fall(8, 300);  // 10 units per frame; the floor is 0.8 units below
     Detector detector;
     double first = 1;
     for (int frame = 1; frame <= 3; ++frame) {
@@ -265,7 +266,7 @@ TEST(FreeCloth, gains_no_energy) {
         double last = start;
         for (int frame = 1; frame <= 45; ++frame) {
             fall.advance(frame, 2, 10, [](const StepLength&) {});
-            const double most = springs > 0 ? start : last + 1e-5 * start;  // springs give back what they took
+            const double most = springs > 0 ? start : last + 1e-5 * start;  // springs return their energy
             EXPECT_LE(fall.energy(), most) << "frame " << frame << ", springs " << springs;
             last = fall.energy();
         }
@@ -286,7 +287,7 @@ std::uint64_t bits_after(int frames) {
 TEST(FreeCloth, has_the_same_bits_in_each_run) { EXPECT_EQ(bits_after(20), bits_after(20)); }
 
 TEST(FreeCloth, is_carried_by_a_moving_obstacle) {
-    // A sheet on a plate that rises to twice its height and goes on to the side.
+    // A sheet on a plate that rises by 1 and then moves sideways by 0.5.
     Random random(2);
     const Fabric fabric = weave(6, 6, 0.1, random);
     ClothSolver solver(fabric, {.shear_speed = 3, .bend_speed = 1, .thickness = 0.04, .separation_speed = 0.3});
@@ -341,7 +342,8 @@ TEST(FreeCloth, has_no_obstacles_after_a_change_of_fabric) {
 }
 
 TEST(FreeCloth, keeps_the_speed_of_the_shortened_step) {
-    // One triangle flies into another that is held, ten times its distance in a step; then it goes no further.
+    // One triangle moves towards a held one, at a speed of ten times their distance per step. It stops at about half of
+    // the distance.
     Fabric fabric{1, {{-1, -1}, {1, -1}, {0, 1}, {-1, -1}, {1, -1}, {0, 1}}, two};
     ClothSolver solver(fabric, {.gravity = 0, .drag = 0, .thickness = 0.001});
     for (std::size_t i = 0; i < 6; ++i) {
@@ -361,7 +363,7 @@ TEST(FreeCloth, keeps_the_speed_of_the_shortened_step) {
 }
 
 TEST(FreeCloth, is_not_pierced_by_a_driven_spike) {
-    // A spike goes through a sheet that is held all round: as far as it can, which is not through.
+    // A spike is driven through a sheet whose points are all held: it must stop just before the sheet.
     Random random(2);
     const Fabric fabric = weave(6, 6, 0.1, random);
     ClothSolver solver(fabric, {.shear_speed = 3, .bend_speed = 1, .thickness = 0.04, .separation_speed = 0.3});

@@ -60,7 +60,7 @@ class OwnCache : public testing::Environment {
 };
 const testing::Environment* const own_cache = testing::AddGlobalTestEnvironment(new OwnCache);
 
-/// Returns a late frame that a test has time for.
+/// Returns the last frame of a scene or, for simulated scenes, a frame early enough for a short test.
 int late_frame(const Description& scene, std::int64_t triangles) {
     if (!scene.simulated) return scene.frames - 1;
     return triangles > 1000 ? 2 : scene.frames / 3;

@@ -119,7 +119,7 @@ TEST(Cut, new_points_begin_on_their_edge) {
 }
 
 TEST(SelfContact, is_found_on_the_side_of_the_point) {
-    // A sheet, and above it a triangle one of whose corners comes close.
+    // A sheet, and a triangle above or below it, whose first corner is close to the sheet.
     Fabric fabric = square(4);
     std::vector<Vec3d> points = level(fabric, 0);
     const auto first = static_cast<std::int32_t>(points.size());
@@ -142,7 +142,9 @@ TEST(SelfContact, is_found_on_the_side_of_the_point) {
         for (std::size_t k = 0; k < 3; ++k) {
             meet = meet + contact.weights[k] * points[static_cast<std::size_t>(contact.triangle[k])];
         }
-        // The corner's own triangle leans, so the whisker does, but the projection is straight down.
+        // Contacts are found by whiskers, thin triangles along the normals of points. The corner's whisker is not
+        // vertical, since the corner's triangle is inclined. But `meet`, its projection to the sheet, is vertically
+        // below.
         EXPECT_LT(length(meet - Vec3d{0.3, 0.2, 0}), 1e-6);
         EXPECT_TRUE(std::find(fabric.triangles.begin(), fabric.triangles.begin() + static_cast<std::ptrdiff_t>(sheet),
                               contact.triangle) != fabric.triangles.end());

@@ -93,7 +93,8 @@ class StageCase {
 
 inline const std::vector<StageCase>& stage_cases() {
     static const std::vector<StageCase> cases = [] {
-        // A scene far from 0, where float32 has few digits left, and a triangle far larger than its leaf.
+        // A scene far from 0, where float32 has a low resolution, and a scene with one triangle far larger than the
+        // others.
         Soup<float> far = wavy_sheet(7);
         for (auto& p : far.vertices) p = {p[0] + 3000, p[1] - 500, p[2] + 20};
         Soup<float> ground = random_soup(120, 0.05, 12);
@@ -107,7 +108,7 @@ inline const std::vector<StageCase>& stage_cases() {
         all.emplace_back("sheet far from 0", far);
         all.emplace_back("ground", ground);
         all.emplace_back("two soups", random_soup(80, 0.35, 3), random_soup(70, 0.35, 4));
-        // Each vertex with a trajectory of its own, some short and some across the scene; and a sheet that folds.
+        // Each vertex has its own trajectory, most of them short, some long; in the last scene a sheet folds.
         Soup<float> start = random_soup(70, 0.2, 5), end = start;
         for (std::size_t v = 0; v < end.vertices.size(); ++v)
             for (std::size_t axis = 0; axis < 3; ++axis)
@@ -121,8 +122,8 @@ inline const std::vector<StageCase>& stage_cases() {
     return cases;
 }
 
-/// Fixture for each backend; run() tries each scene with one leaf, with one level of clusters and with two. It includes
-/// moving scenes if the backend supports them.
+/// Fixture for each backend. run() calls `check` for each scene with one leaf, with one level of clusters and with two
+/// levels; also for moving scenes if the backend supports them.
 class Stages : public testing::TestWithParam<StageBackend> {
    protected:
     template <class Check>
@@ -158,8 +159,8 @@ class Stages : public testing::TestWithParam<StageBackend> {
     }
 };
 
-/// Exact extent of a triangle, throughout its motion, along the axes of a leaf's frame, whose numbers are taken as
-/// exact.
+/// Exact extent of a triangle, throughout its motion, along the axes of a leaf's frame. The float32 numbers of the
+/// frame are taken as exact.
 class ExactBox {
    public:
     ExactBox(const StageState& state, const PreparedScene& scene, std::int32_t triangle, const LeafFrame& frame) {

@@ -1,4 +1,4 @@
-// Runs the stages of the cpu backend, by each table of kernels that the machine supports.
+// Runs the stages of the cpu backend, with the kernels of each instruction set that the machine supports.
 
 #include <limits>
 

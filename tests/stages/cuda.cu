@@ -1,5 +1,6 @@
-// Runs the stages of the cuda backend, with blocks of either size, on a device or on one that the CPU plays. The query
-// here has no records and keeps every candidate, which is all that sort and sweep need.
+// Runs the stages of the cuda backend, with blocks of 64 and of 256 threads, on a device or on one that the CPU
+// emulates. The first run has no records and no filter, so that all candidates of the sweep can be checked. A second
+// run of the stages from `sort` on has those of intersection queries.
 
 #include <limits>
 #include <stdexcept>
@@ -127,7 +128,7 @@ class StagesOfPass : public IntersectionPass {
         const Counters counted = to_host(counters, 1)[0];
         if (counted.beyond > 0) throw std::runtime_error("these scenes leave nothing to the host");
         std::vector<test::LeafState>& leaves = state.leaves;
-        leaves.front().found.reserve(counted.hits);  // the list does not have the leaf of a pair
+        leaves.front().found.reserve(counted.hits);  // hits do not name their leaf, so all go to the first
         for (const Hit& hit : to_host(hits_, static_cast<std::int64_t>(counted.hits)))
             leaves.front().found.push_back({hit.a, hit.b});
         answer.total = counted.hits;
@@ -136,7 +137,7 @@ class StagesOfPass : public IntersectionPass {
         answer.copy_to(scene, false, state.result);
     }
 
-    // Rows are sorted by leaf, as members are.
+    // Returns the state of the first run. Rows are stored leaf by leaf, as members are.
     test::StageState download_state(const PreparedScene& host) const {
         test::StageState state;
         if (points_.f)
@@ -192,7 +193,7 @@ namespace crumple::test {
 
 std::vector<StageBackend> stage_backends() {
     std::vector<StageBackend> backends;
-    // The second of two passes is warm-started from the first one.
+    // With 256 threads the stages run twice, and the second run is warm-started from the first.
     for (const unsigned threads : {64u, 256u})
         backends.push_back({"blocks_of_" + std::to_string(threads) + (threads == 256 ? "_guided" : ""),
                             [=](const PreparedScene& scene, const Options& options) {

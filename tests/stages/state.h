@@ -1,8 +1,8 @@
 #pragma once
 
-// State that the stages of a backend leave behind, in one form for all backends, so that a stage's guarantee is one
-// test (ARCHITECTURE.md, Stages). Each backend has an adapter: cpu.cpp runs each table of kernels, cuda.cu the kernels
-// of the device.
+// Results of all stages of a search, in one form for all backends, so that one test checks a stage's guarantee for all
+// of them (ARCHITECTURE.md, Stages). Each backend has an adapter: cpu.cpp runs the kernels of each instruction set,
+// cuda.cu the kernels of the device.
 
 #include <functional>
 #include <ostream>
@@ -24,22 +24,24 @@ struct Box {
     Vec3d low, high;
 };
 
-/// State of one leaf. Pairs are pairs of triangles, lower id first.
+/// State of one leaf. Pairs are pairs of triangles, lower id first. Each comment begins with the stage that makes the
+/// array.
 struct LeafState {
     std::vector<std::int32_t> member;  ///< subdivide: triangles
-    std::vector<Pair> owned;           ///< subdivide: pairs of members that no lower cluster contains; for two meshes,
-                                       ///< pairs across them
+    std::vector<Pair> owned;           ///< subdivide: pairs of members that are not both in an earlier cluster too; for
+                                       ///< two meshes, only pairs of different meshes
     LeafFrame frame;                   ///< align
-    std::vector<Box> box;              ///< align: by member, with its margin; infinite along an axis without one
-    std::vector<Pair> met;             ///< sort: pairs of each row and the rows of its range
-    std::vector<Pair> candidates;      ///< sweep, with a filter that keeps all
-    bool sweep_checks_owners = true;   ///< true if the sweep drops all pairs of other leaves; otherwise `narrow` drops
-                                       ///< the rest
+    std::vector<Box> box;              ///< align: box of each member, with its margin; infinite along axes for which
+                                       ///< the backend stores no bounds
+    std::vector<Pair> met;             ///< sort: pairs of each row and the later rows before its `end`
+    std::vector<Pair> candidates;      ///< sweep: all candidates, without filters
+    bool sweep_checks_owners = true;   ///< true if the sweep drops all pairs that other leaves own; otherwise `narrow`
+                                       ///< drops those that the sweep has kept
     std::vector<Pair> found;           ///< narrow: colliding pairs, lower id first
 };
 
 struct StageState {
-    std::vector<Vec3d> point;  ///< bounds: normalised vertices; in moving scenes followed by those at the end
+    std::vector<Vec3d> point;  ///< bounds: normalised vertices; in moving scenes followed by the vertices at t1
     std::vector<Ball> ball;    ///< bounds: by triangle
     std::vector<LeafState> leaves;
     Intersections result;  ///< output: result from the pairs of all leaves

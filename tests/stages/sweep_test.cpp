@@ -65,7 +65,8 @@ TEST_P(Sweep, few_pairs_of_disjoint_boxes_are_listed) {
                                                              leaf.member.begin())];
                 };
                 const Box a = box(pair.a), b = box(pair.b);
-                // Coarse bins let pairs pass along the sweep direction; across it, only rounding to 16 bits does.
+                // The sweep direction (x) is not compared: along it, coarse bins let disjoint boxes pass. Along y and
+                // z, disjoint boxes pass only due to rounding to 16 bits.
                 apart += a.low.y > b.high.y || b.low.y > a.high.y || a.low.z > b.high.z || b.low.z > a.high.z;
             }
         }

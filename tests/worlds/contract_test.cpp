@@ -304,7 +304,8 @@ TEST(World, calls_poll_between_two_bodies) {
     Detector detector({.threads = 1});
     int polls = 0;
     detector.set_poll([&] { ++polls; });
-    // A machine that stalls meanwhile polls less. Polls between worlds alone would be two per call.
+    // A call polls less often if the machine stalls, so it is repeated. With polls between worlds only, a call would
+    // poll twice.
     for (int call = 0; call < 20 && polls < 4; ++call) {
         polls = 0;
         EXPECT_FALSE(detector.find(World{shapes, bodies, poses}, {.output = Output::any_by_world}).any);

@@ -35,8 +35,8 @@ inline Pose random_motion(Dice& dice, double extent) {
              2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), dice.between(-extent, extent)}};
 }
 
-/// Returns a random pose: mostly a rigid motion; also the identity, reflections, scales, flattening maps, and steps of
-/// one.
+/// Returns a random pose: mostly a rigid motion; also the identity, a scaled reflection, a singular map to a plane or a
+/// point, or a translation by −1, 0 or 1 along each axis.
 inline Pose random_pose(Dice& dice, double extent) {
     Pose pose = random_motion(dice, extent);
     switch (dice.below(10)) {
@@ -50,7 +50,7 @@ inline Pose random_pose(Dice& dice, double extent) {
             for (std::size_t k = 0; k < (dice.chance(0.3) ? 3u : 1u); ++k)
                 for (std::size_t i = 0; i < 12; i += 4) pose.rows[i + k] = 0;
             return pose;
-        case 3:  // moved by steps of 1, so that vertices coincide
+        case 3:  // translated by integers, so that vertices coincide
             pose = {};
             for (std::size_t i = 3; i < 12; i += 4) pose.rows[i] = dice.below(3) - 1;
             return pose;

@@ -42,7 +42,7 @@ Pose random_rigid(Dice& dice) {
              2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), dice.between(-2, 2)}};
 }
 
-/// A motion with many more pieces stands for the true one.
+/// Compares with a motion of at least 16 times as many pieces, in place of the true motion.
 TEST(RigidMotions, vertices_stay_within_the_promised_distance_of_pieces) {
     Dice dice(5);
     double worst = 0;

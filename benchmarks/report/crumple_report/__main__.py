@@ -1,6 +1,6 @@
 """crumple-report: plots, and the tables of README.md and docs/, from benchmarks/results/*.json.
 
-Plots are byte-identical only with the matplotlib version that made them, so without that version they are not compared.
+Plots have the same bytes only with the pinned version of matplotlib. With other versions they are not compared.
 """
 
 import argparse
@@ -14,12 +14,12 @@ from . import appendix, blocks, device_tables, tables  # noqa: F401: their block
 from .results import COMMITTED, TOP, Results
 
 IMAGES = TOP / "docs/images/benchmarks"
-# Page whose findings are written by hand; it names the commit of its figures.
+# Page whose findings are written by hand. It names the commit of the figures that it is about.
 FINDINGS = TOP / "docs/benchmarks.md"
 
 
 def pinned():
-    """Returns the pinned versions of the packages that plots need, by name."""
+    """Maps each package that plots need to its pinned version."""
     project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
     return dict(requirement.split("==") for requirement in project["optional-dependencies"]["plots"])
 
@@ -37,7 +37,7 @@ def missing_for_plots():
 
 
 def draw(results, folder):
-    """Draws every plot for which there are figures, in both variants."""
+    """Draws every plot for which there are figures, for light and for dark pages."""
     from . import bars, drawings, plots, style  # noqa: F401: their plots register themselves
 
     for name, function in style.PLOTS.items():

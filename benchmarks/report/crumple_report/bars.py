@@ -1,4 +1,5 @@
-"""Bar plots: Crumple beside its peers, and beside the published averages of [MZ] fig. 6."""
+"""Bar plots that compare Crumple with its peers, and with the published averages of [MZ] fig. 6. [MZ] is the paper that
+Crumple follows (ARCHITECTURE.md)."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -20,7 +21,8 @@ PUBLISHED = {
 
 
 def bars(ax, entries, theme):
-    """Draws horizontal bars on a log axis. Entries: (label, milliseconds, kind: ours, whole, boxes or published)."""
+    """Draws horizontal bars on a logarithmic axis. Entries are (label, milliseconds, kind). The kind is `ours` for
+    Crumple, `whole` or `boxes` for peers that compute whole results or overlapping boxes only, or `published`."""
     colours = {"ours": theme.accent, "whole": theme.other, "boxes": theme.weak, "published": "none"}
     for row, (label, value, kind) in enumerate(entries):
         ax.barh(row, value, height=0.68, color=colours[kind], edgecolor=theme.muted if kind == "published" else "none",
@@ -51,7 +53,7 @@ def contest_bars(results, theme, question):
         for name, found in peers.items():
             if workload in found:
                 other = found[workload][1]
-                # Peers from PyPI race against another process of Crumple's, so only their ratio is used.
+                # Peers from PyPI were timed against another process of Crumple's: computes their time from the ratio.
                 beside = found[workload][0] is contest
                 time = other["milliseconds"]["median"] if beside else rows[0][1] * other["ratio"]["median"]
                 rows.append((name.replace(", from Python", ""), time, kind_of(other)))

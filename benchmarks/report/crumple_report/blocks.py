@@ -8,12 +8,14 @@ from .results import TOP, digits
 
 PAGES = [TOP / "README.md", *sorted((TOP / "docs").glob("*.md"))]
 
-# By name: function from results and arguments to Markdown, the query of its contests, its studies.
+# Maps names to (function that makes Markdown from results and arguments, query of the contests that it shows or None,
+# names of the studies that it shows).
 BLOCKS = {}
 
 
 def block(name, question=None, studies=()):
-    """Registers a function that makes a block. Without `studies`, the block's arguments name the studies."""
+    """Registers a function that makes a block. The second argument is the query of the contests that the block shows.
+    Without `studies`, the arguments of the block are the names of the studies that it shows."""
     def register(function):
         BLOCKS[name] = function, question, studies
         return function
@@ -64,7 +66,7 @@ def percent(share):
 
 
 def span(counts):
-    """Returns the least and the greatest, or one number if they are equal."""
+    """Formats the least and the greatest count, or one number if they are equal."""
     low, high = f"{min(counts):,}", f"{max(counts):,}"
     return low if low == high else f"{low} to {high}"
 
@@ -74,5 +76,5 @@ def mebibytes(count):
 
 
 def beside_median(values, index):
-    """Returns one of the values, divided by their median."""
+    """Formats values[index] divided by the median of all values; empty if the median is 0."""
     return f"{values[index] / median(values):.2f}" if median(values) else ""

@@ -26,7 +26,7 @@ def of_cpu(results):
 
 
 def where(results):
-    """Names the device, the compiler and the commit of the figures."""
+    """Returns a line that names the device, driver, compiler and commit of the figures."""
     return (f"{results.cuda['device']['name']}, driver {results.cuda['driver']}, nvcc {results.machine['nvcc']}; commit "
             f"{results.cuda['commit']}.")
 

@@ -1,5 +1,5 @@
-"""Explanatory drawings: [MZ] fig. 1, the sweep along a principal component; fig. 4, membership at a border; and the
-numbers that describe an overlap."""
+"""Explanatory drawings: [MZ] fig. 1, the sweep along a principal component; fig. 4, membership at a border between
+clusters; and the numbers that describe an overlap. [MZ] is the paper that Crumple follows (ARCHITECTURE.md)."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -24,7 +24,8 @@ def intervals_overlap(a, b):
 
 @plot
 def sweep_direction(_, theme):
-    """Draws [MZ] fig. 1: the same triangles, along x and along the first principal component of their centroids."""
+    """Draws [MZ] fig. 1: intervals and boxes of the same triangles, along x and along the first principal component of
+    the triangles' centroids."""
     along = np.deg2rad(42)
     step = np.array([np.cos(along), np.sin(along)])
     across = np.array([-step[1], step[0]])
@@ -62,7 +63,8 @@ def sweep_direction(_, theme):
 
 @plot
 def overlap(_, theme):
-    """Draws [MZ] fig. 4: two triangles that collide across the border between clusters, under two rules."""
+    """Draws [MZ] fig. 4: two triangles that collide across the border between clusters. On the left, a triangle belongs
+    to the cluster of its nearest centre; on the right, to each cluster that its ball reaches."""
     a, b = triangle((-0.3, 0.25), 1.45, 0.85), triangle((0.42, -0.1), 0.3, 0.8)
     others = [triangle(c, t, 0.4) for c, t in (((-2.0, 1.0), 0.3), ((-2.2, -0.7), 1.1), ((-1.2, -1.25), 0.6),
                                                ((2.1, 0.9), 0.9), ((1.9, -1.0), 0.1), ((1.1, 1.3), 1.7))]
@@ -97,18 +99,18 @@ def arrow(ax, begin, end, colour, width=1.8, size=13):
 
 @plot
 def overlap_numbers(_, theme):
-    """Draws a section through an overlapping ball and box that extend along the third direction: volume, centroid, area
-    vector, normal and mean depth."""
+    """Draws a disc and a rectangle that overlap, as sections of two bodies, with the numbers that describe the overlap:
+    volume, centroid, area vector, normal and mean depth."""
     ball, radius, corner, size = np.array([0.0, 0.0]), 1.0, np.array([0.3, 0.05]), np.array([1.75, -1.55])
-    # The arc of the ball inside the box, from its top side to its left side.
+    # The arc of the disc's circle inside the rectangle, from the rectangle's top side to its left side.
     angles = np.linspace(np.arcsin(corner[1]), -np.arccos(corner[0]), 400)
     arc = ball + radius * np.column_stack([np.cos(angles), np.sin(angles)])
     region = np.vstack([corner, arc])
     x, y = region.T
     cross = x * np.roll(y, -1) - np.roll(x, -1) * y
-    volume = cross.sum() / 2  # negative: clockwise
+    volume = cross.sum() / 2  # negative, because the region's points are in clockwise order
     centroid = ((region + np.roll(region, -1, axis=0)) * cross[:, None]).sum(0) / (6 * volume)
-    area = np.array([arc[0, 1] - arc[-1, 1], arc[-1, 0] - arc[0, 0]])  # the chord, rotated by a right angle
+    area = np.array([arc[0, 1] - arc[-1, 1], arc[-1, 0] - arc[0, 0]])  # the chord of the arc, rotated by a right angle
     normal, depth = area / np.linalg.norm(area), abs(volume) / np.linalg.norm(area)
     along = np.array([-normal[1], normal[0]]) * np.linalg.norm(area) / 2
 

@@ -1,7 +1,8 @@
-"""Off-screen renderings by PyVista: clusters coloured on models ([MZ] fig. 3), frames of the scenes (fig. 5).
+"""Off-screen renderings by PyVista: models coloured by cluster, like [MZ] fig. 3, and frames of scenes, like fig. 5.
+[MZ] is the paper that Crumple follows (ARCHITECTURE.md).
 
 Meshes, parts and pairs come from crumple_benchmark --serve. Pictures are transparent and in medium tones, so that they
-are readable on light and dark pages. Their bytes depend on the machine, so they are committed and not compared.
+are readable on light and dark pages. Their bytes depend on the machine, so no test compares the committed pictures.
 """
 
 import io
@@ -22,7 +23,7 @@ OVERLAP, CLOTH, HIT, BALL, LABEL = "#555b64", "#8fa9c9", "#e5484d", "#b9a37c", "
 
 
 class Scene:
-    """Mesh and colliding triangles of a workload."""
+    """Mesh and colliding triangles of a workload; for each number in `parts`, bit masks of the parts of triangles."""
 
     def __init__(self, benchmark, workload, parts=()):
         with tempfile.TemporaryDirectory() as folder:
@@ -52,7 +53,7 @@ def rgb(colour):
 
 
 def by_part(masks):
-    """Returns a colour for each triangle; triangles of several parts are dark."""
+    """Returns a colour for each triangle by its part (bit k of its mask: part k). Triangles of several are dark."""
     bits = (masks[:, None] >> np.arange(64, dtype=np.uint64) & np.uint64(1)).astype(bool)
     colours = np.array([rgb(c) for c in COLOURS], np.uint8)[bits.argmax(1) % len(COLOURS)]
     colours[bits.sum(1) > 1] = rgb(OVERLAP)
@@ -70,7 +71,8 @@ def bodies(scene):
 
 
 def by_hit(scene):
-    """Returns colours: red for colliding triangles, one colour for the largest body (the cloth), one for the rest."""
+    """Returns a colour for each triangle: red if it collides, else one colour for the body with the most triangles (the
+    cloth) and another one for all other bodies."""
     body = bodies(scene)
     colours = np.array([rgb(BALL), rgb(CLOTH)], np.uint8)[(body == np.bincount(body).argmax()).astype(int)]
     colours[scene.hit] = rgb(HIT)
@@ -78,7 +80,7 @@ def by_hit(scene):
 
 
 def shown(scene):
-    """Returns a mask of the triangles to show: all but a ground, a body that lies flat at the very bottom."""
+    """Returns a mask of the triangles to show. Hides a ground, which is a body that lies entirely at the lowest z."""
     height = scene.vertices[scene.triangles][:, :, 2]
     low, high = height.min(), height.max()
     body = bodies(scene)
@@ -152,7 +154,7 @@ def draw_pictures(folder, benchmark):
 
     frames = (0, 10, 40, 60, 93)
     rows = [film(frames_of(benchmark, cloth, frames), frames, 1.2)]
-    if "funnel" in known:  # one camera for all frames, because the funnel does not move
+    if "funnel" in known:  # the same camera for all frames, because the funnel itself does not move
         frames = (0, 125, 200, 375, 500)
         scenes = frames_of(benchmark, "funnel", frames)
         boxes = np.array([bounds(scene) for scene in scenes[1:]])

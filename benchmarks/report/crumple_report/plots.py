@@ -1,4 +1,4 @@
-"""Area, line and dot plots: time by stage, growth, parts, and the rules that the studies compare."""
+"""Area, line and dot plots: time by stage, growth with the number of triangles, parts, and alternatives that studies compare."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -65,7 +65,7 @@ def growth(results, theme):
 
 
 def dot_panel(ax, rows_by_scene, value, theme):
-    """Draws a row for each category and a dot for each scene."""
+    """Draws a line of dots for each category, one dot per scene. `value` is the position of a category's row on the x axis."""
     for i, (name, rows) in enumerate(rows_by_scene.items()):
         shift = (i - (len(rows_by_scene) - 1) / 2) * 0.16
         ax.plot([value(row) for row in rows], np.arange(len(rows)) + shift, "o", markersize=4.5,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[3]
 COMMITTED = TOP / "benchmarks/results/xeon-2-threads.json"
-# Folder beside the committed figures, for figures from a GPU, named by device and driver.
+# Folder of figures from a GPU, beside the committed figures. Its name is made of the device and the driver's version.
 DEVICE = "h200-580.159"
 
 SCENES = {
@@ -25,7 +25,7 @@ SCENES = {
 
 STAGES = ["bounds", "subdivide", "align", "sort", "sweep", "narrow", "output"]
 
-# Share of the processors below which a measurement counts as disturbed.
+# Least share of the processors that must have been free for a measurement; with a smaller share, it counts as disturbed.
 QUIET = 0.85
 
 
@@ -39,7 +39,7 @@ def plain(workload):
 
 
 def digits(value):
-    """Formats a number with three significant digits."""
+    """Formats a number with three significant digits, from 100 on as an integer with all digits."""
     if abs(value) >= 99.95:
         return f"{value:,.0f}"
     return f"{value:.3g}"
@@ -54,13 +54,13 @@ class Results:
         self.cuda_peers, self.cubql, self.machine = (self.of_device(f"{name}.json") for name in ("cuda_peers", "cubql", "machine"))
 
     def of_device(self, name):
-        """Returns the content of a file in the device's folder, or None."""
+        """Returns the content of a JSON file in the folder of the GPU's figures, or None if it does not exist."""
         path = self.path.parent / DEVICE / name
         return json.loads(path.read_text()) if path.exists() else None
 
     def device_figures(self):
-        """Merges the benchmark's runs on the device, cuda*.json; returns None if there are none. Each row gets the number
-        of its frames. If several runs measured a scene, the run with the most frames counts."""
+        """Merges the benchmark's runs on the device, cuda*.json; returns None if there are none. Adds the run's number of
+        frames to each row. If several runs measured a scene, takes the row of the run with the most frames."""
         paths = [path for path in sorted((self.path.parent / DEVICE).glob("cuda*.json")) if path.stem != "cuda_peers"]
         runs = [json.loads(path.read_text()) for path in paths]
         if not runs:
@@ -85,11 +85,12 @@ class Results:
         return self.studies.get(name) or []
 
     def sizes(self):
-        """Returns the sizes of the growth curve."""
+        """Returns the rows of the study `growth`, one for each number of triangles."""
         return (self.study("growth") or {"sizes": []})["sizes"]
 
     def fastest(self, question, name):
-        """Maps workloads with this query to the contest and the peer's fastest configuration, if it was raced."""
+        """Maps each workload of this query to (the first contest of the workload in which `name` took part, the entry of its
+        fastest configuration in that contest)."""
         found = {}
         for contest in self.data["contests"]:
             for way in contest["contestants"]:
@@ -113,11 +114,12 @@ class Results:
         return ""
 
     def in_one_process(self, contest):
-        """True if peers ran in Crumple's own process; those from PyPI, in a later contest, do not."""
+        """True for the first contest of a workload, in which the peers ran in Crumple's own process. Peers from PyPI ran in a
+        later contest, in processes of their own."""
         return self.fastest(contest["question"], "crumple").get(contest["workload"], (None,))[0] is contest
 
     def busy(self, question=None, studies=()):
-        """Returns a sentence about measurements that other load disturbed, or an empty string."""
+        """Returns a sentence about the contests of this query and the studies that other load disturbed; empty if none was."""
         measured = [(contest, ("" if self.in_one_process(contest) else "peers from PyPI, ") + scene(contest["workload"]))
                     for contest in self.data["contests"] if contest["question"] == question]
         measured += [(self.data["studies"].get(study, {}), f"`{study}`") for study in studies]
@@ -129,5 +131,5 @@ class Results:
         return f"Other load left {' and '.join(found)} of {every} cores free, so multi-threaded times are pessimistic."
 
     def sequences(self, least=3):
-        """Returns the sequences of at least so many frames, by name."""
+        """Maps the names of sequences with at least `least` frames to their figures."""
         return {s["sequence"]: s for s in self.study("sequences") if len(s["frames"]) >= least}

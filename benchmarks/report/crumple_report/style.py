@@ -1,6 +1,7 @@
-"""Style of plots: two variants of each, for light and dark pages, transparent, with text stored as text.
+"""Style of plots. Each has two variants, for light and for dark pages. They are transparent, with text stored as text.
 
-The same figures and the same matplotlib give the same bytes: no date, fixed ids, fonts that matplotlib includes.
+The same figures and the same version of matplotlib give the same bytes, because files have no date and fixed ids, and
+fonts are those that matplotlib includes.
 """
 
 import io
@@ -13,7 +14,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.ticker import FuncFormatter, NullLocator  # noqa: E402
 
-# Every plot by name: a function from results and a theme to a figure, or None if nothing was measured.
+# Maps the name of each plot to a function that makes a figure from results and a theme; None without measurements.
 PLOTS = {}
 
 
@@ -29,9 +30,9 @@ class Theme:
     muted: str
     grid: str
     surface: str
-    accent: str  # crumple
-    other: str  # peers that compute the whole result
-    weak: str  # peers that compute boxes only
+    accent: str  # for crumple
+    other: str  # for peers that compute the whole result
+    weak: str  # for peers that compute overlapping boxes only
     series: tuple
 
 
@@ -81,8 +82,8 @@ def apply(theme):
 
 
 def save(figure, path, **how):
-    """Saves a figure, with axes positions rounded to nine digits: the last digits of the layout solver differ from run
-    to run, and ids in an SVG file are hashes of them."""
+    """Saves a figure, with positions of axes rounded to nine digits. Otherwise their last digits would differ from run
+    to run, and with them the ids in an SVG file, which are hashes of positions."""
     how["format"] = path.suffix[1:]
     if path.suffix == ".svg":
         how["metadata"] = {"Date": None, "Creator": None}
@@ -109,7 +110,8 @@ def readable(axis):
 
 
 def log_ticks(axis, most=6):
-    """Sets ticks at the densest of several multiples of powers of ten that give at most `most` ticks."""
+    """Sets ticks at multiples of powers of ten. Of several sets of multiples, uses the densest one with at most `most`
+    ticks in view; if there is none, every other power of ten."""
     axis.set_minor_locator(NullLocator())
     low, high = sorted(axis.get_view_interval())
     powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)

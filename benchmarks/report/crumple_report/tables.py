@@ -82,13 +82,13 @@ def sequences(results):
 
 
 def best_fixed_axis(ways):
-    """Returns the fastest of x, y and z; `ways` by direction."""
+    """Returns the figures of the fastest sweep along x, y or z. `ways` maps directions to figures."""
     return min((ways[axis] for axis in "xyz"), key=lambda way: way["milliseconds"]["median"])
 
 
 @block("sweep direction", studies=["axes"])
 def sweep_direction(results):
-    """Makes a table of the time along principal components over that along the best fixed axis."""
+    """Makes a table of the time of a sweep along principal components, divided by that along the fastest of x, y and z."""
     ratios = {}
     for figure in results.study("axes"):
         ways = {way["direction"]: way for way in figure["ways"]}
@@ -111,7 +111,9 @@ def whole_clusters(results):
 
 @block("prefix sum", studies=["two_clusters"])
 def prefix_sum(results):
-    """Makes a table of [MZ] fig. 2's predicted list, the overlaps that remain, and the detector's memory."""
+    """Makes a table of sizes in MiB: lists of overlapping intervals, which [MZ] fig. 2 allocates ([MZ] is the paper that Crumple
+    follows), for two clusters and for leaves; lists of the overlapping boxes and the colliding pairs; the detector's peak
+    memory."""
     rows = []
     for figure in results.study("two_clusters"):
         cuts = {cut["cut"]: cut for cut in figure["cuts"]}
@@ -168,7 +170,7 @@ def pieces(results):
 
 @block("pairs")
 def pairs(results, sequence, *frames):
-    """Lists the colliding pairs in some frames of a sequence."""
+    """Makes a table of the numbers of colliding pairs in some frames of a sequence."""
     found = results.sequences().get(sequence)
     if not found:
         return ""
@@ -178,7 +180,7 @@ def pairs(results, sequence, *frames):
 
 @block("simulated")
 def simulated(results):
-    """Makes a table of the size and length of the simulated sequences."""
+    """Makes a table of the simulated sequences: numbers of frames and triangles, and the most colliding pairs of a frame."""
     known = results.sequences()
     found = [known[name] for name in ("cloth_on_ball", "funnel", "cutting") if name in known]
     rows = [[scene(s["sequence"]), len(s["frames"]), span(s["triangles"]), f"{max(s['pairs']):,}"] for s in found]

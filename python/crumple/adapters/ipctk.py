@@ -31,32 +31,34 @@ __all__ = ["BroadPhase", "NarrowPhaseCCD", "compute_collision_free_stepsize", "i
 
 
 def _in_space(vertices: Any) -> np.ndarray:
-    """Returns a new (n, 3) float64 array; vertices in the plane get z = 0."""
+    """Returns a new (n, 3) float64 array. Vertices of shape (n, 2) get z = 0."""
     vertices = np.array(vertices, np.float64, order="C")
     return np.pad(vertices, ((0, 0), (0, 3 - vertices.shape[1])))
 
 
 class BroadPhase(ipctk.BroadPhase):
-    """Broad phase without false candidates: lists exactly the pairs within twice the inflation radius.
+    """Broad phase without false candidates: lists exactly the pairs at most twice the inflation radius apart.
 
     Parameters
     ----------
     boxes : bool, default False
-        If True, lists pairs with overlapping boxes instead, as ipctk's own broad phases do, by Detector.candidates:
-        complete and without rounding (docs/candidates.md).
+        If True, lists the pairs whose inflated boxes overlap instead, as ipctk's own broad phases do. Uses
+        Detector.candidates, whose lists are complete and without rounding (docs/candidates.md).
     **options
         Options of crumple.Detector.
 
     Notes
     -----
-    Broad phases of the IPC Toolkit return pairs whose boxes, inflated by the radius, overlap, because pairs within
-    twice the radius have such boxes. This class returns the pairs within twice the radius themselves, at one time or at
-    some time of a step: some hundred times fewer. A CCD of ipctk that keeps a share of the distance
-    (conservative_rescaling) does so for these pairs only: choose the radius for the distance that has to be kept.
+    The broad phases of the IPC Toolkit return all pairs whose boxes, inflated by the radius, overlap. Any two features
+    within twice the radius have such boxes, but most pairs with such boxes are further apart. This class returns only
+    pairs that are within twice the radius, at the given time or at some time of the step: some hundred times fewer. If
+    a CCD of ipctk keeps a share of the distance (conservative_rescaling), it does so for these pairs only. So choose a
+    radius of at least half the distance that has to be kept.
 
-    Also finds edges without a face, and vertices without either. Calls `can_vertices_collide` for the pairs that it
-    finds. Candidates of edges and faces, for has_intersections, are those of triangles that intersect; candidates of
-    two faces are the faces that intersect; both at one time only. Lists are sorted, and the same on every machine.
+    Also finds edges without a face, and vertices without an edge or a face. Calls `can_vertices_collide` for the pairs
+    that it finds. Edge-face candidates, for has_intersections, are an edge of one and the face of the other of two
+    triangles that intersect; face-face candidates are faces that intersect. Both are found at one time only, not for a
+    step. Lists are sorted, and the same on every machine.
 
     Cost: that of Detector.proximities, impacts or candidates, plus about a microsecond per candidate to make a Python
     object.
@@ -72,7 +74,7 @@ class BroadPhase(ipctk.BroadPhase):
         return "Crumple"
 
     def build(self, *given: Any) -> None:
-        """Sets the mesh, or a step.
+        """Sets the mesh to search, at one time or during a step.
 
         build(vertices, edges, faces, inflation_radius=0) or build(vertices_t0, vertices_t1, edges, faces,
         inflation_radius=0).
@@ -135,7 +137,7 @@ class BroadPhase(ipctk.BroadPhase):
         return self._made(ipctk.FaceFaceCandidate, a, b, self._faces[a], self._faces[b])
 
     def _pairs(self, kind: str) -> np.ndarray:
-        """Returns (k, 2) indices of features that have no common vertex."""
+        """Returns the pairs of a kind, such as "vertex_face", as (k, 2) indices of features without a common vertex."""
         return self._overlapping(kind) if self.boxes else getattr(self, f"_near_{kind}")()
 
     def _overlapping(self, kind: Any) -> np.ndarray:
@@ -168,7 +170,8 @@ class BroadPhase(ipctk.BroadPhase):
 
     def _near_edge_face(self) -> np.ndarray:
         faces, pairs = self._intersecting()
-        # If two triangles intersect, an edge of one meets the other. Lists each edge of each with the other's face.
+        # If two triangles intersect, an edge of one of them meets the other triangle. It is not known which edge, so
+        # all edges of both triangles are listed, each with the face of the other triangle.
         both = np.concatenate([pairs, pairs[:, ::-1]])
         both = both[both[:, 1] < len(self._faces)]
         edge = self._numbers(faces[both[:, 0]][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
@@ -180,11 +183,11 @@ class BroadPhase(ipctk.BroadPhase):
         return self._apart(pairs[(pairs < len(self._faces)).all(axis=1)], self._faces)
 
     def _apart(self, pairs: np.ndarray, corners: np.ndarray) -> np.ndarray:
-        """Drops pairs with a common vertex. Each pair is a feature with these corners, and a face."""
+        """Returns the pairs without a common vertex. A pair is a feature f, with vertices corners[f], and a face."""
         return pairs[(corners[pairs[:, 0]][:, :, None] != self._faces[pairs[:, 1]][:, None, :]).all(axis=(1, 2))]
 
     def _keys(self, ends: np.ndarray) -> np.ndarray:
-        """Returns one number per edge, the same for both directions."""
+        """Returns a number for each edge, given by its two ends. It does not depend on the direction of the edge."""
         return ends.min(axis=-1) * np.int64(len(self._start)) + ends.max(axis=-1)
 
     def _check_edges(self) -> None:
@@ -196,7 +199,7 @@ class BroadPhase(ipctk.BroadPhase):
             raise InvalidInput(f"edges {self._order[again[0]]} and {self._order[again[0] + 1]} are one edge")
 
     def _numbers(self, edges: np.ndarray) -> np.ndarray:
-        """Returns the indices of these edges in the given ones, -1 for none."""
+        """Returns the index of each of `edges` among the edges passed to build(), or -1 if it is not one of them."""
         if not len(self._edges):
             return np.full(len(edges), -1)
         keys = self._keys(edges.astype(np.int64))
@@ -204,20 +207,21 @@ class BroadPhase(ipctk.BroadPhase):
         return np.where(self._sorted[place] == keys, self._order[place], -1)
 
     def _loose_edges(self) -> np.ndarray:
-        """Returns degenerate triangles, one for each edge that no face has."""
+        """Returns a degenerate triangle (a, b, b) for each edge (a, b) that is not an edge of a face."""
         sides = self._keys(self._faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2))
         return self._edges[~np.isin(self._keys(self._edges), sides)][:, [0, 1, 1]]
 
     def _features(self) -> Any:
-        """Returns near features of the faces and of edges without a face. One search, cached, serves both lists."""
+        """Returns near features of the faces and of edges without a face. Caches them: two lists use this search."""
         if self._found is None:
             self._found = self._search(self._faces, self._loose_edges())
         return self._found
 
     def _search(self, faces: np.ndarray, more: Any = None, all_vertices: bool = False) -> Any:
-        """Returns near features of these faces; drops pairs with a face of `more`.
+        """Returns near features of the triangles `faces` and `more`.
 
-        A vertex without a face becomes a degenerate one.
+        Vertices in no triangle become degenerate triangles. Vertex-face pairs are listed for the faces of `faces` only
+        or, with `all_vertices`, for all triangles.
         """
         named = np.zeros(len(self._start), bool)
         parts = [faces] if more is None else [faces, more]
@@ -239,7 +243,10 @@ class BroadPhase(ipctk.BroadPhase):
         return faces, self.detector.intersections(self._start, faces).pairs.astype(np.int64)
 
     def _made(self, kind: Any, first: Any, second: Any, of_first: np.ndarray, of_second: np.ndarray) -> list[Any]:
-        """Makes candidates of these features, unless none of their vertices may collide."""
+        """Makes candidates of class `kind` from pairs of features, unless none of their vertices may collide.
+
+        `of_first`, `of_second`: vertices of the first and second feature of each pair, for can_vertices_collide.
+        """
         may = self.can_vertices_collide
         wanted = np.zeros(len(first), bool)
         for v in of_first.T:
@@ -251,7 +258,7 @@ class BroadPhase(ipctk.BroadPhase):
 
 
 class _Found:
-    """Lists of a search, of the first faces only."""
+    """Lists of a search. Vertex-face pairs are those with one of the first `faces` triangles."""
 
     def __init__(self, found: Any, faces: int) -> None:
         pairs = found.vertex_faces
@@ -265,8 +272,8 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
     Parameters
     ----------
     min_distance_share : float, default 0
-        Share of a pair's distance at the start that must be kept, in [0, 1). CCDs of ipctk end where their own bound
-        leaves 1 - conservative_rescaling of that distance, which is similar, but not the same.
+        Share of a pair's distance at the start that must be kept, in [0, 1). The CCDs of ipctk keep a share of 1 -
+        conservative_rescaling by bounds of their own, which is similar, but not the same.
 
     Raises
     ------
@@ -275,12 +282,13 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
 
     Notes
     -----
-    `min_distance` is an exact distance (docs/motion.md). Times are the first time of contact, rounded down; infinite if
-    there is none up to `tmax`.
+    `min_distance` is an exact distance (docs/motion.md). The time that is returned is the first time of contact,
+    rounded down; infinite if there is none up to `tmax`.
 
-    Call ipctk.set_num_threads(1) before, and do not change it: candidates call their narrow phase from all of ipctk's
-    threads while one of them holds the GIL, so any class written in Python would deadlock. Cost: a Python call per
-    pair, some 30 us. compute_collision_free_stepsize of this module has neither drawback.
+    Call ipctk.set_num_threads(1) before you make an object, and do not change the number afterwards: candidates call
+    their narrow phase from all threads of ipctk while one of them holds the GIL, so any narrow phase written in Python
+    would deadlock. Cost: a Python call per pair, some 30 us. The function compute_collision_free_stepsize of this
+    module has neither drawback.
     """
 
     def __init__(self, min_distance_share: float = 0.0) -> None:
@@ -353,7 +361,7 @@ def _numbers(candidates: list[Any], *names: str) -> Iterator[np.ndarray]:
 
 
 def _impacts(candidates: Any, mesh: Any, t0: Any, t1: Any, options: dict[str, Any]) -> Iterator[PairImpacts]:
-    """Yields the impacts of each list of candidates that is not empty."""
+    """Yields the PairImpacts of each list of candidates (face-vertex, edge-edge, ...) that is not empty."""
     t0, t1, edges, faces = _in_space(t0), _in_space(t1), mesh.edges, mesh.faces
     lists: tuple[tuple[PairKind, Any, tuple[str, ...], tuple[Any, ...]], ...] = (
         ("vertex_face", candidates.fv_candidates, ("vertex_id", "face_id"), (None, faces)),
@@ -378,7 +386,7 @@ def compute_collision_free_stepsize(
     min_distance_share: float = 0.0,
     threads: int = 0,
 ) -> float:
-    """Returns the first time of contact of candidates, or 1, by exact decisions.
+    """Returns the first time of contact of the candidates, decided exactly, or 1 if none of them touches.
 
     Replaces candidates.compute_collision_free_stepsize.
 
@@ -393,7 +401,7 @@ def compute_collision_free_stepsize(
     min_distance : float, default 0
         Largest distance that counts as contact, exactly.
     min_distance_share : float, default 0
-        As for NarrowPhaseCCD. The larger distance applies.
+        As for NarrowPhaseCCD. If `min_distance` is given, too, the larger of both distances applies.
     threads : int, default 0
         Number of threads; 0: as many as the machine has.
 

@@ -2,8 +2,8 @@
 
 Notes
 -----
-Buffers have the length that they need: none overflows, no list is truncated, nothing runs twice. Lists are the same in
-every run. Newton itself is not needed, and Warp only for `warp_arrays`. Positions are in host memory.
+Buffers have the length that is needed, so none overflows, no list is truncated, and no search is repeated. Lists are
+the same in every run. Newton itself is not needed, and Warp only for `warp_arrays`. Positions must be in host memory.
 
 Examples
 --------
@@ -33,22 +33,23 @@ __all__ = ["SelfContactDetector", "SelfContacts"]
 
 
 class SelfContacts(NamedTuple):
-    """Features nearer than the radius, by vertex, by triangle and by edge, in the names and layout of Newton.
+    """Features nearer than the radius, listed by vertex, by triangle and by edge, with the names and layout of Newton.
 
     Attributes
     ----------
     vertex_colliding_triangles : (2 k,) ndarray of int32
-        Two numbers per entry: the vertex and the triangle.
+        Entries of vertices. Two numbers per entry: the vertex and the triangle.
     triangle_colliding_vertices : (k,) ndarray of int32
-        One number per entry: the vertex.
+        Entries of triangles. One number per entry: the vertex.
     edge_colliding_edges : (2 l,) ndarray of int32
-        Two numbers per entry: the edge and the other edge. Each pair is listed for both edges.
+        Entries of edges. Two numbers per entry: the edge and the other edge. Each pair is listed for both edges.
     *_offsets : ndarray of int32
-        Element i has the entries [offsets[i], offsets[i + 1]), in ascending order; entry e of two numbers is at 2 e.
+        Vertex, triangle or edge i has the entries [offsets[i], offsets[i + 1]), in ascending order. An entry e of two
+        numbers begins at index 2 e.
     *_count, *_buffer_sizes : ndarray of int32
-        Number of entries of each element.
+        Number of entries of each vertex, triangle or edge.
     *_min_dist : ndarray of float32
-        Least distance of each element, rounded down; the radius if there is none.
+        Least distance of each vertex, triangle or edge, rounded down; the radius if it has no entry.
     """
 
     vertex_colliding_triangles: NDArray[np.int32]
@@ -97,15 +98,15 @@ class SelfContactDetector:
     triangles : (m, 3) or (3 m,) array_like of int
         Indices of vertices; also a Warp array.
     edges : (n, 2) or (n, 4) array_like of int, optional
-        Each edge of the triangles once, in any order and direction. (n, 4) is Newton's edge_indices, whose last two
-        columns are the ends. None: edges in lexicographic order.
+        The edges of the triangles, each once, in any order and direction. An (n, 4) array is Newton's edge_indices,
+        whose last two columns are the ends. None: edges are numbered in lexicographic order.
     **options
         Options of crumple.Detector.
 
     Raises
     ------
     InvalidInput
-        If `edges` are not the edges of the triangles (found by `detect`), or their shape is wrong.
+        If the shape of `edges` is wrong. (`detect` raises it if they are not the edges of the triangles.)
     """
 
     def __init__(self, triangles: Any, edges: Any = None, **options: Any) -> None:
@@ -135,7 +136,7 @@ class SelfContactDetector:
         Raises
         ------
         InvalidInput, MemoryLimit
-            As Detector.proximities, and if the edges do not fit the triangles.
+            As Detector.proximities, and if `edges` are not the edges of the triangles.
 
         Notes
         -----
@@ -164,7 +165,7 @@ class SelfContactDetector:
         return both.reshape(-1), *_counted(offsets), _least(least, radius)
 
     def _numbers(self, edges: NDArray[np.int32]) -> NDArray[np.int32]:
-        """Returns the index in the given edges of each edge of the triangles."""
+        """Returns, for each edge of the triangles, its index in the `edges` that the caller passed."""
         if self._edges is None:
             return np.arange(len(edges), dtype=np.int32)
         order = np.lexsort((self._edges[:, 1], self._edges[:, 0]))
@@ -184,7 +185,7 @@ class SelfContactDetector:
 
 
 def _counted(offsets: NDArray[np.int64]) -> tuple[NDArray[np.int32], ...]:
-    """Returns offsets, buffer sizes and counts."""
+    """Returns offsets, buffer sizes and counts of entries as int32, from offsets. Buffer sizes are equal to counts."""
     if offsets[-1] > np.iinfo(np.int32).max // 2:
         raise InvalidInput(f"{offsets[-1]} pairs are more than int32 can count: a smaller radius has fewer")
     counts = np.diff(offsets).astype(np.int32)
@@ -192,7 +193,7 @@ def _counted(offsets: NDArray[np.int64]) -> tuple[NDArray[np.int32], ...]:
 
 
 def _least(distances: NDArray[np.float64], radius: float) -> NDArray[np.float32]:
-    """Returns distances of at most the radius, rounded down to float32."""
+    """Returns the smaller of each distance and the radius, rounded down to float32."""
     bounded = np.minimum(distances, radius)
     rounded = bounded.astype(np.float32)
     return np.where(rounded > bounded, np.nextafter(rounded, np.float32(0)), rounded)

@@ -46,17 +46,19 @@ std::string mpi_library() {
     std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
     int length = 0;
     MPI_Get_library_version(text.data(), &length);
-    return text.data();  // stops at the final 0, which some libraries count in `length`
+    return text.data();  // up to the terminating 0, which some libraries include in `length`
 }
 
-// Replacement of a Python exception, thrown in its place, also on ranks that did not raise it.
+// C++ exception that replaces a Python exception: the collective error check can throw it on all ranks, including ranks on
+// which no Python exception was raised. Its message has the class and the message of the Python exception.
 struct Interrupted final : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
 std::string name_of_class(nb::handle exception) { return nb::cast<std::string>(exception.type().attr("__name__")); }
 
-// Converts an exception for the other ranks; to its class name if its message cannot be read.
+// Converts a Python exception to one that can be thrown on other ranks: a crumple.Error to the same Error, any other to
+// Interrupted, with only its class name if its message cannot be read.
 std::exception_ptr failure_of(nb::handle exception) {
     std::string words = name_of_class(exception);
     try {
@@ -98,7 +100,8 @@ RankDetector::RankDetector(std::uintptr_t communicator, const DistributedOptions
     detector_.set_poll([this] { poll(); });
 }
 
-// Runs without the GIL, within the collective error check.
+// The library calls this during a call, without the GIL and within a collective error check. Throws the error before the
+// call, if any, or an exception of a signal handler.
 void RankDetector::poll() {
     if (failed_) std::rethrow_exception(failed_);
     try {
@@ -183,7 +186,8 @@ void RankDetector::close() {
 
 namespace {
 
-// Converts a query of crumple/_queries.py, before ranks wait for each other. `excluded`: (n, 2) int32 or None.
+// Constructs a Query from one of crumple/_queries.py. Errors in the query are thrown here, before ranks wait for each other.
+// `excluded`: excluded pairs of bodies, (n, 2) int32 or None.
 template <class Query>
 void make_query(Query* place, nb::handle given, nb::handle excluded) {
     Query query = read<Query>(given);
@@ -199,7 +203,7 @@ void make_query(Query* place, nb::handle given, nb::handle excluded) {
     new (place) Query(std::move(query));
 }
 
-// Binds a query, and `find` and `any` with it for local meshes and local worlds.
+// Binds a query type, and the methods `find` and `any` for this query on local meshes and on local worlds.
 template <class Query>
 void bind_query(nb::module_& module, nb::class_<RankDetector>& detector, const char* name) {
     nb::class_<Query>(module, name, "Query of all ranks.")

@@ -8,7 +8,7 @@
 
 namespace crumple::python {
 
-/// Result of a rank, storage of the class of the same name in crumple.mpi. Its arrays keep it alive.
+/// Result of a rank: the storage of the class of the same name in crumple.mpi. NumPy views of its arrays keep it alive.
 template <class Result>
 struct RankShown {
     Result result;

@@ -29,7 +29,7 @@ fs::path temporary_name(const fs::path& target) {
 AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
     std::error_code error;
     constexpr int most_links = 40;
-    // Writes to the target of a link, which need not exist yet.
+    // If the target is a symbolic link, writes the file that the link points to. That file need not exist yet.
     for (int i = 0; i < most_links && fs::is_symlink(target_, error); ++i)
         target_ = target_.parent_path() / fs::read_symlink(target_, error);
     if (fs::is_symlink(target_, error)) {
@@ -44,16 +44,17 @@ AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
     direct_ = fs::exists(status) && !fs::is_regular_file(status);
     written_ = direct_ ? target_ : temporary_name(target_);
     if (!direct_) unfinished_.begin(written_);
-    constexpr mode_t readable = 0666;  // less the umask
+    constexpr mode_t readable = 0666;  // before the system applies the umask
     buffer_.open(::open(written_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (direct_ ? O_TRUNC : O_EXCL), readable));
     if (buffer_.descriptor() < 0) direct_ ? fail(errno) : fail_to_create(errno);
-    if (fs::is_regular_file(status)) fs::permissions(written_, status.permissions(), error);  // unchanged, if possible
+    if (fs::is_regular_file(status)) fs::permissions(written_, status.permissions(), error);  // those of the old file
     if (has_gzip_name(target)) stream_.rdbuf(&gzip_.emplace(buffer_));
 }
 
 AtomicFile::~AtomicFile() { close(); }
 
-/// Closes the file. An error of close() counts as a failed write: network file systems may report it only then.
+/// Closes the file. An error of close() counts as a failed write: network file systems may report failed writes only
+/// then.
 void AtomicFile::close() {
     if (buffer_.descriptor() >= 0 && ::close(buffer_.descriptor()) != 0 && !buffer_.reason()) buffer_.fail(errno);
     buffer_.open(-1);
@@ -75,7 +76,7 @@ void AtomicFile::commit() {
     unfinished_.finish();
 }
 
-/// Throws Error (file) about the folder, in which the temporary file could not be created.
+/// Throws Error (file) that says why no temporary file could be created in the folder of the target.
 void AtomicFile::fail_to_create(int system_error) const {
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
     std::error_code error;

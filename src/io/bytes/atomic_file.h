@@ -17,8 +17,8 @@ namespace crumple::io {
 
 class AtomicFile {
    public:
-    /// Throws Error (file) that names the target, or its folder where that is the cause: the folder is missing, the
-    /// target is a directory, or either is not writable.
+    /// Throws Error (file) if the folder is missing, if the target is a directory, or if either is not writable. The
+    /// message names the one that is the cause.
     explicit AtomicFile(const std::filesystem::path& target);
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -30,8 +30,9 @@ class AtomicFile {
     /// Empty if the target is written directly.
     std::filesystem::path temporary() const { return direct_ ? std::filesystem::path() : written_; }
 
-    /// Finishes writing. Throws Error (file) if anything could not be written; the target is unchanged then. If several
-    /// files belong together, complete all before committing the first.
+    /// Writes all buffered data and closes the file, without renaming it. Throws Error (file) if anything could not be
+    /// written; a regular target is unchanged then. If several files belong together, complete all before committing
+    /// the first.
     void complete();
     /// Completes the file and renames it to its target. Throws Error (file).
     void commit();

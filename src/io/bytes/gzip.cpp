@@ -14,7 +14,7 @@ namespace crumple::io {
 namespace {
 
 constexpr int gzip_only = 16 + MAX_WBITS;
-/// Most bytes of one call: zlib counts in 32 bits.
+/// Largest number of bytes passed to zlib in one call: zlib counts bytes in 32 bits.
 constexpr std::size_t most_a_call = std::size_t{1} << 30;
 
 class Expander {
@@ -137,8 +137,8 @@ bool GzipBuffer::compress(bool last) {
 
 bool GzipBuffer::finish() { return compress(true) && to_.pubsync() == 0; }
 
-/// Writes the output that zlib has produced so far. zlib buffers the rest, so that flushing does not worsen the
-/// compression.
+/// Writes the output that zlib has produced so far. zlib is not flushed: it keeps the rest of the input in its own
+/// buffers, so flushing the stream does not worsen the compression.
 int GzipBuffer::sync() { return compress(false) ? to_.pubsync() : -1; }
 
 GzipBuffer::int_type GzipBuffer::overflow(int_type c) {

@@ -15,8 +15,9 @@ namespace crumple::io {
 
 inline bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
-/// Decompresses all gzip members in turn. `name` is for messages. Throws Error (format) if the data is truncated,
-/// damaged, followed by other data, or expands beyond the limit of io/bytes/expanded_size.h.
+/// Decompresses a gzip file, which may be several gzip files put one after the other. `name` is for messages. Throws
+/// Error (format) if the data is truncated, damaged, followed by other data, or expands beyond the limit of
+/// io/bytes/expanded_size.h.
 Array<char> expand_gzip(std::string_view bytes, const std::string& name);
 
 /// True if the name ends with .gz, in any case: such a file is compressed.
@@ -32,7 +33,7 @@ class GzipBuffer : public std::streambuf {
     GzipBuffer& operator=(const GzipBuffer&) = delete;
     ~GzipBuffer() override;
 
-    /// Ends the gzip data. Returns false if not all of it could be written.
+    /// Ends the gzip data: compresses what is buffered and writes the trailer. Returns false if not all could be written.
     bool finish();
 
    private:

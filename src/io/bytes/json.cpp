@@ -7,7 +7,7 @@ namespace crumple::io {
 
 namespace {
 
-/// Rounds to whole microseconds: clocks are no more precise.
+/// Rounds to whole microseconds, so that files do not list digits without meaning.
 double rounded(double milliseconds) { return std::round(milliseconds * 1000) / 1000; }
 
 nlohmann::ordered_json document(const Statistics& statistics) {

@@ -74,8 +74,8 @@ inline std::optional<std::vector<std::int64_t>> npy_shape(std::string_view text)
     return shape;
 }
 
-/// Reads up to the array's bytes. Returns nothing if this is not a NumPy array. Fields that the header lacks stay
-/// empty. `npy` is an NpyFile or an NpzReader::Entry.
+/// Reads the header, and stops before the array's first byte. Returns nothing if this is not a NumPy array. Fields that
+/// the file's header lacks are empty in the result. `npy` is an NpyFile or an NpzReader::Entry.
 template <class Npy>
 std::optional<NpyHeader> read_npy_header(Npy& npy) {
     const std::string prologue = npy.read(8);
@@ -84,7 +84,7 @@ std::optional<NpyHeader> read_npy_header(Npy& npy) {
                                    ? std::size_t{load<std::uint16_t>(npy.read(2).data(), std::endian::little)}
                                    : std::size_t{load<std::uint32_t>(npy.read(4).data(), std::endian::little)};
     const std::string header = npy.read(length);
-    const std::string_view type = npy_value(header, "'descr':");  // "'<f8'"
+    const std::string_view type = npy_value(header, "'descr':");  // begins with "'<f8'", for example
     const std::size_t end = std::min(type.find('\'', 1), type.size());
     return NpyHeader{type.starts_with("'>") ? std::endian::big : std::endian::little,
                      std::string(type.substr(std::min<std::size_t>(2, end), end < 2 ? 0 : end - 2)),

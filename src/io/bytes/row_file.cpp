@@ -18,7 +18,7 @@ std::vector<char> RowFile::read(std::int64_t offset, std::int64_t bytes) {
     std::vector<char> piece(static_cast<std::size_t>(std::max<std::int64_t>(0, std::min(bytes, size_ - offset))));
     errno = 0;
     if (in_.seekg(offset).read(piece.data(), static_cast<std::streamsize>(piece.size()))) return piece;
-    const int reason = errno ? errno : EIO;  // EIO also if the file has become shorter meanwhile
+    const int reason = errno ? errno : EIO;  // errno is 0 if the file has become shorter since it was opened
     throw Error(ErrorCode::file, "cannot read " + name_ + ": " + std::generic_category().message(reason), Element::none,
                 -1, 0, reason);
 }

@@ -20,11 +20,11 @@ class RowFile {
     std::int64_t size() const { return size_; }
     const std::string& name() const { return name_; }
 
-    /// Returns up to `bytes` bytes from this offset on. Throws Error (file).
+    /// Returns the `bytes` bytes that begin at this offset, or fewer at the end of the file. Throws Error (file).
     std::vector<char> read(std::int64_t offset, std::int64_t bytes);
 
-    /// Calls f(row, offset of the row) for `count` rows that begin at an offset, until one returns false; returns true
-    /// if none has. Throws Error (file).
+    /// Calls f(row, offset of the row) for `count` consecutive rows, the first of which begins at `offset`. Stops and
+    /// returns false when f returns false; else returns true. All offsets are in bytes. Throws Error (file).
     template <class F>
     bool for_each(std::int64_t offset, std::int64_t row_bytes, std::int64_t count, F f) {
         constexpr std::int64_t piece_bytes = std::int64_t{1} << 22;

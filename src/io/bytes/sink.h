@@ -22,7 +22,7 @@ class Sink {
         try {
             reserve(buffer_.size());
         } catch (...) {
-            // A stream that throws has also set its state, which its owner checks.
+            // A stream that throws has also set its error state, which the owner of the stream checks.
         }
     }
 

@@ -1,4 +1,4 @@
-// Decides which files can be read in slices, and reads slices of STL; ply_slice.cpp reads those of PLY.
+// Decides which files can be read in slices, and reads slices of STL files; ply_slice.cpp reads slices of PLY files.
 
 #include "io/bytes/slice.h"
 
@@ -22,7 +22,8 @@ namespace {
 constexpr std::int64_t stl_header = 80, stl_prologue = 84, stl_record = 50, stl_normal = 12;
 constexpr std::int64_t longest_header = std::int64_t{1} << 16;
 
-/// Tests like is_binary_stl of io/formats.h, for a file of which only the beginning is in memory.
+/// Makes the same test as is_binary_stl() of io/formats.h, for a file of which only the beginning is in memory. `size`:
+/// bytes of the whole file.
 bool is_binary_stl(const Source& beginning, std::int64_t size) {
     return size >= stl_prologue &&
            size == stl_prologue + stl_record * std::int64_t{load<std::uint32_t>(beginning.begin() + stl_header,

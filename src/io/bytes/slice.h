@@ -32,15 +32,15 @@ struct MeshSlice {
     /// The reader's block of triangles, with their groups, and its block of vertices. Corners are vertex indices of the
     /// whole file, so they may refer to other blocks.
     TriangleMesh mesh;
-    bool weld = false;  ///< vertices at equal positions are to be merged, across all readers
+    bool weld = false;  ///< vertices at equal positions must be merged later, across the blocks of all readers
 };
 
-/// Reads the block of one of several readers. All blocks together are what read_mesh reads, except that welding is left
-/// to the search. Handles binary PLY of triangles and binary STL. Returns nothing for any other file, and for any
-/// irregularity in the header or in this block, such as a polygon; use read_mesh then. Irregularities of other blocks
-/// are found by their readers only.
+/// Reads the block of one of several readers. All blocks together are what read_mesh reads, except that vertices are
+/// not welded (MeshSlice::weld). Handles binary PLY of triangles and binary STL. Returns nothing for any other file, and
+/// for any irregularity in the header or in this block, such as a polygon; use read_mesh then. Only the reader of a
+/// block finds the irregularities in it.
 ///
-/// Throws Error (file, format) as read_mesh does, for errors in this block. Reads its rows in pieces.
+/// Throws Error (file, format) as read_mesh does, for errors in this block. Reads rows in pieces of some 4 MiB.
 std::optional<MeshSlice> read_slice(const std::filesystem::path& path, const ReadOptions& options, int reader,
                                     int readers);
 

@@ -30,7 +30,7 @@ Source::Source(const fs::path& path) : name_(path.string()) {
     const fs::file_status status = fs::status(path, error);
     if (error) fail_to_read(path, error.value());
     if (fs::is_directory(status)) fail_to_read(path, "it is a directory", EISDIR);
-    // Pipes end; devices such as /dev/zero need not.
+    // A pipe comes to an end; a device such as /dev/zero need not.
     if (!fs::is_regular_file(status) && !fs::is_fifo(status)) fail_to_read(path, "it is not a file");
 
     errno = 0;
@@ -49,7 +49,7 @@ Source::Source(Array<char> bytes, std::string name) : name_(std::move(name)), by
 void Source::read(std::istream& in, std::size_t hint) {
     errno = 0;
     try {
-        bytes_.resize(std::max<std::size_t>(hint, 4095) + 1);  // one byte more, to reach the end in one read
+        bytes_.resize(std::max<std::size_t>(hint, 4095) + 1);  // one byte more, so that one read meets the end
         advise_large_pages(bytes_.data(), bytes_.size());
         std::size_t size = 0;
         while (true) {

@@ -71,7 +71,7 @@ class Warnings {
     std::vector<std::string> sentences_;
 };
 
-/// Occurrences that share one warning: the place of the first, and their number.
+/// Oddities of one kind, which share one warning: the place of the first of them in the file, and their number.
 struct Tally {
     const char* first = nullptr;
     std::int64_t count = 0;
@@ -85,7 +85,7 @@ struct Tally {
     }
 };
 
-/// Quotes a word of a file for a message: cut to `longest` characters, with unprintable ones as '?'.
+/// Quotes a word of a file for a message. Cuts it to `longest` characters, and replaces unprintable ones by '?'.
 std::string in_quotes(std::string_view word, std::size_t longest = 40);
 
 }  // namespace crumple::io

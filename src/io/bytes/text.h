@@ -78,9 +78,9 @@ LeadingNumber<Scalar> leading_number(const char* begin, const char* end) {
 class Scanner {
    public:
     struct Syntax {
-        bool lines = false;         ///< items end with their line; otherwise a line end is a blank
+        bool lines = false;         ///< a line end stops finished(), word() and so on; otherwise it counts as a blank
         bool comments = false;      ///< '#' and the rest of its line are skipped
-        bool continuation = false;  ///< a backslash and the line end after it are a blank
+        bool continuation = false;  ///< a backslash and the line end after it count as a blank
     };
 
     Scanner(const Source& source, Syntax syntax, const char* begin)
@@ -91,7 +91,7 @@ class Scanner {
     std::size_t remaining() const { return static_cast<std::size_t>(end_ - p_); }
     bool at_end() const { return p_ == end_; }
 
-    /// Skips blanks; true if nothing else is left (of the line, if the syntax has lines).
+    /// Skips blanks. Returns true if no word is left in the line (Syntax::lines) or, without lines, in the file.
     bool finished() {
         while (p_ != end_) {
             if (is_blank(*p_) || (ends_line(*p_) && !syntax_.lines)) {
@@ -105,7 +105,7 @@ class Scanner {
         return true;
     }
 
-    /// Moves to the next item, in this line or a later one; returns false at the end of the file.
+    /// Moves to the next word, in this line or a later one; returns false at the end of the file.
     bool next_line_with_items() {
         while (!at_end() && finished()) skip_line();
         return !at_end();
@@ -118,7 +118,7 @@ class Scanner {
         if (p_ != end_) ++p_;
     }
 
-    /// Returns the next word. Throws Error, which names `what` as missing, if there is none.
+    /// Returns the next word. If there is none, throws Error "`what` is missing".
     std::string_view word(const char* what = "a word") {
         if (finished()) fail(std::string(what) + " is missing");
         const char* const begin = p_;
@@ -133,12 +133,12 @@ class Scanner {
         return value;
     }
 
-    /// Throws Error if, after an item, something of its word is left over.
+    /// Throws Error unless the position is at the end of a word: that is, unless the whole word has been read as `what`.
     void end_word(const char* what = "an integer") const {
         if (p_ != end_of_word()) fail("in " + std::string(what) + ": " + in_quotes(rest_of_word()) + " is left over");
     }
 
-    /// Skips this character, and blanks before it, if it is next.
+    /// If `c` is the next character after any blanks, skips both and returns true; else changes nothing.
     bool skip(char c) {
         const char* p = p_;
         while (p != end_ && is_blank(*p)) ++p;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int piece = 1 << 16;
 constexpr int deepest_elements = 256;
-/// Most bytes of a tag or comment, which expat buffers until its end.
+/// Largest number of bytes of a tag or comment: expat buffers all of it until its end.
 constexpr std::int64_t longest_tag = 1 << 20;
 
 }  // namespace

@@ -1,8 +1,8 @@
 #pragma once
 
 // Writer and reader of zip archives in memory, with and without ZIP64 fields. Entries are stored or compressed by
-// deflate. The writer uses minizip. minizip's reader does not handle every mixture of ZIP64 fields, so the reader here
-// is our own, on zlib.
+// deflate. The writer uses minizip. minizip's reader does not handle every mixture of ZIP64 fields, so Crumple has its
+// own reader, which uses zlib.
 
 #include <cstddef>
 #include <cstdint>
@@ -60,8 +60,8 @@ class ZipReader {
     bool has(const std::string& name, bool any_case = false) const;
     /// Returns all bytes of an entry, or nothing if it is missing, cannot be read, or has more than `most` bytes.
     std::optional<Array<char>> expand(const std::string& name, std::uint64_t most);
-    /// Opens an entry. Returns false if it is missing or cannot be read: another compression method, encryption,
-    /// damage.
+    /// Opens an entry. Returns false if it is missing, encrypted, damaged, or compressed by a method other than
+    /// deflate.
     bool open(const std::string& name, bool any_case = false);
     /// Reads up to `size` next bytes of the open entry; `got` is 0 at its end. Returns false if the entry is truncated
     /// or damaged; a wrong checksum is found at the end.
@@ -77,11 +77,11 @@ class ZipReader {
 
     std::string_view bytes_;
     std::vector<std::string> names_;
-    std::unique_ptr<Entries> exact_, any_case_;  ///< by name; the first of several entries with one name
+    std::unique_ptr<Entries> exact_, any_case_;  ///< by name, as written or in lower case; first of equal names
     std::unique_ptr<Inflation> open_;
 };
 
-/// Converts ASCII letters only, as entry names are compared.
+/// Converts ASCII letters to lower case, for comparisons of entry names without regard to case.
 inline std::string in_lower_case(std::string name) {
     for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     return name;

@@ -1,6 +1,6 @@
-// Reader of zip archives. The list of entries (central directory) describes them; the header before each entry is
-// skipped. APPNOTE.TXT 6.3, sections 4.3 to 4.5: a field of 32 or 16 bits that is all ones has its value in a ZIP64
-// record.
+// Reader of zip archives. All data about entries come from the list of entries (the central directory, at the end of
+// the file); the header before each entry is skipped. If all bits of a field of 32 or 16 bits are ones, its value is in
+// a ZIP64 record (APPNOTE.TXT 6.3, sections 4.3 to 4.5).
 
 #include <zlib.h>
 
@@ -38,10 +38,10 @@ std::size_t find_end_record(std::string_view bytes) {
     return near_end && bytes.size() - at >= end_record ? at : bytes.npos;
 }
 
-/// Extent of the list of entries.
+/// Place of the list of entries in the file, in bytes.
 struct List {
     std::uint64_t begin = 0, size = 0;
-    std::uint64_t moved = 0;  ///< bytes prepended to the archive, which offsets do not count
+    std::uint64_t moved = 0;  ///< bytes put before the archive: add to the offsets it states
 };
 
 /// Finds the list of entries. Returns false if the end records contradict each other or the size of the file.
@@ -51,7 +51,8 @@ bool find_list(std::string_view bytes, std::size_t end, List& list) {
     const std::string_view locator =
         end < zip64_locator ? ""sv : record(bytes, end - zip64_locator, zip64_locator, "PK\6\7"sv);
     if (!locator.empty()) {
-        // The record lies where the locator says or, if bytes were put before the archive, right before the locator.
+        // The ZIP64 end record lies where the locator says or, if bytes were put before the archive, right before the
+        // locator.
         std::uint64_t at = number<std::uint64_t>(locator, 8);
         if (record(bytes, at, zip64_end_record, "PK\6\6"sv).empty()) at = end - zip64_locator - zip64_end_record;
         const std::string_view large = record(bytes, at, zip64_end_record, "PK\6\6"sv);
@@ -75,8 +76,8 @@ struct ZipReader::Entry {
 
     bool is_locked() const { return flags & 1; }
 
-    /// Replaces fields that are all ones by those of the ZIP64 extra field, which holds only these, in this order.
-    /// Returns false if that field is too short.
+    /// Reads size, compressed size and header offset from the ZIP64 extra field where they are all ones. The extra field
+    /// holds only the values that are needed, in this order. Returns false if it is too short.
     bool resolve(std::string_view extra) {
         while (extra.size() >= 4) {
             const auto kind = number<std::uint16_t>(extra, 0), length = number<std::uint16_t>(extra, 2);

@@ -9,7 +9,7 @@ namespace crumple::io {
 
 namespace {
 
-/// Most bytes of one call: minizip counts in 32 bits.
+/// Largest number of bytes passed to minizip in one call: minizip counts bytes in 32 bits.
 constexpr std::size_t most_at_once = std::size_t{1} << 30;
 
 }  // namespace
@@ -62,7 +62,7 @@ void ZipWriter::check(int status) const {
 void ZipWriter::begin(const std::string& name, Method method, std::uint64_t size) {
     zip_fileinfo info{};
     info.dosDate = uLong{33} << 16;                     // 1980-01-01
-    const bool large = size >= UINT32_MAX - (1 << 20);  // deflate may add a few bytes
+    const bool large = size >= UINT32_MAX - (1 << 20);  // deflate may add bytes
     check(zipOpenNewFileInZip64(archive_, name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr,
                                 method == Method::store ? 0 : Z_DEFLATED, Z_DEFAULT_COMPRESSION, large));
 }

@@ -1,6 +1,6 @@
-// Animated binary glTF: a node for each frame. A stepwise animation of scales shows one node at a time with scale 1,
-// and hides all others with scale 0. So frames may differ in everything, including topology, and every viewer that
-// plays animations plays them. Viewers that do not play animations show the first frame.
+// Animated binary glTF: a node for each frame. A stepwise animation of the nodes' scales shows one node at a time with
+// scale 1, and hides all others with scale 0. So frames may differ in everything, including topology, and any viewer
+// that plays animations can show them. Viewers that do not play animations show the first frame.
 
 #include <tiny_gltf.h>
 
@@ -81,7 +81,7 @@ void ColouredAnimation::write(const std::filesystem::path& path) {
 
 void ColouredAnimation::write(std::ostream& out) {
     const FloatEnvironment environment;
-    // Data added for the animation is removed afterwards, because more frames may follow.
+    // Removes the data of the animation from the model after writing, because more frames may be added later.
     tinygltf::Model& model = implementation_->model;
     const std::size_t bytes = model.buffers.empty() ? 0 : model.buffers[0].data.size(),
                       views = model.bufferViews.size(), accessors = model.accessors.size();

@@ -1,8 +1,9 @@
 // Writes worlds with the surface of their overlaps in a strong colour, and everything else translucent.
 //
-// The surface is computed for the picture alone: triangles are cut along the segments in which bodies cross, which the
-// search for intersections returns, and a piece is part of the surface if its middle lies inside the other body of a
-// pair. So indices of triangles are not those of the bodies.
+// The surface is computed for the picture alone. A row of the overlaps names two bodies that overlap, or one body that
+// overlaps itself. A search for intersections returns the segments in which the bodies of a row cross. Triangles are cut
+// along these segments, and a piece is part of the surface if its middle lies inside the other body of a row. So the
+// triangles of the picture have other indices than those of the bodies.
 
 #include <algorithm>
 #include <map>
@@ -30,10 +31,10 @@ struct TriangleContacts {
     std::vector<CommonPolygon> areas;
 };
 
-/// The other body of a row, as seen from one of its two bodies.
+/// For one body of a row: the other body of this row.
 struct OtherBody {
     std::int32_t body;
-    bool has_inside;  ///< false if one of the two is not closed (OverlapRelation::undefined)
+    bool has_inside;  ///< false if a body of the row is not closed (OverlapRelation::undefined)
 };
 
 /// Body of a row, posed, with its contacts.
@@ -41,7 +42,7 @@ struct CutBody {
     std::vector<Vec3d> points;
     std::vector<std::int32_t> corners;                  ///< corners of its triangles before these are cut
     std::map<std::int32_t, TriangleContacts> contacts;  ///< by triangle
-    std::vector<OtherBody> others;  ///< one per row of this body; the body itself if the row pairs it with itself
+    std::vector<OtherBody> others;  ///< one per row that names this body; the body itself if it overlaps itself
     std::optional<PictureWindings> rays;
 };
 
@@ -78,7 +79,7 @@ CutBody place(const WorldMesh& world, std::size_t b) {
     return body;
 }
 
-/// Poses the bodies that rows name; they have no contacts yet.
+/// Returns the bodies that rows name, posed and without contacts, by index.
 std::map<std::int32_t, CutBody> place_bodies(const WorldMesh& world, const Overlaps& overlaps) {
     std::map<std::int32_t, CutBody> bodies;
     const auto body_of = [&](std::int32_t b) -> CutBody& {
@@ -111,7 +112,8 @@ void add(const TriangleContacts& more, TriangleContacts& contacts) {
     contacts.areas.insert(contacts.areas.end(), more.areas.begin(), more.areas.end());
 }
 
-/// Searches for intersections between the bodies of each row, and within those that have a row of their own.
+/// Searches for intersections between all bodies, and within the bodies that overlap themselves. The result may include
+/// pairs of bodies that no row names.
 Intersections find_contacts(const WorldMesh& world, const Overlaps& overlaps, const Options& options) {
     const WorldView view = world.view();
     std::vector<Body> bodies = view.bodies;
@@ -121,8 +123,8 @@ Intersections find_contacts(const WorldMesh& world, const Overlaps& overlaps, co
     return detector.find(World{view.shapes, bodies, view.poses}, IntersectionQuery{.output = Output::contacts});
 }
 
-/// Adds the contacts of the bodies of rows to their triangles. Returns the segments of these contacts, two end points
-/// each.
+/// Adds contacts between bodies of one row to the triangles in contact, and ignores all other contacts. Returns the
+/// segments of the added contacts, two end points each.
 std::vector<std::array<double, 3>> add_contacts(const Intersections& found, std::map<std::int32_t, CutBody>& bodies) {
     std::vector<std::array<double, 3>> curves;
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {
@@ -148,7 +150,8 @@ bool is_within(const CommonPolygon& area, const Vec3d& p) {
     return true;
 }
 
-/// True if the piece of a triangle with this middle belongs to the surface of an overlap, or to a common area.
+/// True if a piece of a triangle belongs to the surface of an overlap, or to an area common to two triangles. `middle`
+/// is a point within the piece.
 bool is_in_overlap(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b, std::int32_t triangle,
                    const Vec3d& middle, const TriangleContacts* contacts) {
     const CutBody& body = bodies.at(b);
@@ -156,7 +159,8 @@ bool is_in_overlap(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b
         if (!has_inside) continue;
         if (other != b && bodies.at(other).rays->at(middle) != 0) return true;
         if (other != b) continue;
-        // The ray begins on one side of the piece; on the inner side the winding number is greater by one.
+        // The body overlaps itself. The ray starts at the piece and leaves on one side of it, so the winding number is
+        // that of this side: without other parts of the body, 0 on the outer side (slope > 0) and 1 on the inner side.
         const std::int32_t* const c = &body.corners[3 * static_cast<std::size_t>(triangle)];
         const auto point = [&](std::size_t k) { return body.points[static_cast<std::size_t>(c[k])]; };
         const double slope = dot(cross(point(1) - point(0), point(2) - point(0)), PictureWindings::direction);
@@ -166,7 +170,8 @@ bool is_in_overlap(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b
                                    [&](const CommonPolygon& area) { return is_within(area, middle); });
 }
 
-/// Cuts a body's triangles into pieces, which are fanned. Adds a flag to `hit` for each new triangle.
+/// Cuts a body's triangles into pieces, and triangulates each piece as a fan. Appends to `hit`, for each new triangle, 1
+/// if it belongs to the surface of an overlap, else 0.
 TriangleMesh cut(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b, std::vector<std::uint8_t>& hit) {
     const CutBody& body = bodies.at(b);
     std::vector<Vec3d> points = body.points;
@@ -229,7 +234,7 @@ OverlapPicture make_picture(const WorldMesh& world, const Overlaps& overlaps, co
     return picture;
 }
 
-/// Returns the coloured triangles alone, for formats without translucency.
+/// Returns the mesh without the triangles that do not belong to an overlap, for formats without translucency.
 ColouredMesh without_rest(ColouredMesh coloured) {
     TriangleMesh rest = std::move(coloured.mesh);
     coloured.mesh.unit = rest.unit;

@@ -27,7 +27,7 @@ void check(const WorldMesh& world, const Intersections& collisions) {
                     "the collisions are not those of this world, or without hit flags (IntersectionQuery::index)");
 }
 
-/// Returns the collisions as if they were those of the mesh that posed_mesh() returns.
+/// Converts collisions of a world to collisions of the mesh that posed_mesh() returns.
 Intersections of_posed_mesh(const Intersections& collisions) {
     Intersections result;
     result.hit = collisions.hit;

@@ -6,7 +6,7 @@
 namespace crumple::io {
 namespace {
 
-constexpr double tolerance = 1e-12;  // for lengths, relative to the size of the triangle
+constexpr double tolerance = 1e-12;  // lengths below this share of the triangle's size count as 0
 
 /// Line of a segment in the plane of a triangle.
 class CutLine {
@@ -17,12 +17,12 @@ class CutLine {
           across_(cross(normal, along_)),
           tolerance_(tolerance * std::sqrt(dot(across_, across_) * std::sqrt(dot(normal, normal)))) {}
 
-    /// Returns the distance from the line, times a positive number; 0 within the tolerance.
+    /// Returns the signed distance from the line, times a positive number: positive on the left, 0 within the tolerance.
     double side_of(const Vec3d& p) const {
         const double side = dot(across_, p - begin_);
         return std::abs(side) <= tolerance_ ? 0 : side;
     }
-    /// Returns the place along the line: 0 at the segment's start, 1 at its end.
+    /// Returns the coordinate along the line of the point's projection: 0 at the segment's start, 1 at its end.
     double place_of(const Vec3d& p) const { return dot(along_, p - begin_) / dot(along_, along_); }
 
    private:
@@ -30,8 +30,8 @@ class CutLine {
     double tolerance_;
 };
 
-/// Splits a piece along a segment that passes through it: the right part stays in `piece`, the left part is returned.
-/// If the segment does not pass through, returns an empty piece and changes nothing.
+/// Splits a piece along the line of a segment, if a part of the segment lies inside the piece. Leaves the right part in
+/// `piece` and returns the left part. Otherwise returns an empty piece and changes nothing.
 CutPiece split(std::vector<Vec3d>& points, const CutLine& line, CutPiece& piece) {
     const auto point = [&](std::int32_t corner) { return points[static_cast<std::size_t>(corner)]; };
     std::vector<double> sides;
@@ -39,7 +39,7 @@ CutPiece split(std::vector<Vec3d>& points, const CutLine& line, CutPiece& piece)
     const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
     if (!(*least < 0 && *most > 0)) return {};
     CutPiece left, right;
-    double first = 1, last = 0;  // ends of the cut within the piece, as places along the line
+    double first = 1, last = 0;  // ends of the cut, as results of place_of(); first > last: none yet
     const std::size_t old_points = points.size();
     for (std::size_t i = 0; i < piece.size(); ++i) {
         const std::size_t j = (i + 1) % piece.size();

@@ -1,6 +1,6 @@
 // Writes a page that shows the meshes in WebGL (viewer.html), with colliding triangles and contacts coloured. The page
-// needs no package and no network. It holds corners, not indices: each triangle has its own colour, and old WebGL has
-// no 32-bit indices.
+// needs no package and no network. It stores the coordinates of three corners per triangle, without vertex indices: each
+// triangle has its own colour, and WebGL 1 has no 32-bit indices without an extension.
 
 #include <algorithm>
 #include <array>
@@ -37,7 +37,8 @@ struct Side {
     const Material& material(std::size_t triangle) const { return hit[triangle] ? colliding : free; }
 };
 
-/// Colours as in other files, with the words of the legend; a second mesh is bluish, to distinguish it from the first.
+/// Colours as in other formats, with names as in the page's legend. Free triangles of a second mesh are bluish, to
+/// distinguish it from the first.
 constexpr Material collides{"collides", colliding_colour};
 constexpr Material materials_of_meshes[2][2] = {{{"free", free_colour}, collides},
                                                 {{"free", {150, 168, 188}}, collides}};
@@ -46,7 +47,7 @@ constexpr Colour contact_colour{20, 20, 20};
 /// Contents of a page.
 struct Page {
     std::vector<Side> sides;
-    std::vector<Point> lines, points;  ///< two end points per line; single points
+    std::vector<Point> lines, points;  ///< `lines`: two end points per line; `points`: single points of contact
     std::string caption;
     const char* line_name = "contact";
 };
@@ -61,7 +62,7 @@ Point corner_of(const TriangleMesh& mesh, std::size_t corner) {
         mesh.vertices);
 }
 
-/// Encoder of bytes as base64, three at a time.
+/// Encoder of bytes as base64: writes four characters for every three bytes.
 class Base64 {
    public:
     explicit Base64(Sink& sink) : sink_(sink) {}
@@ -98,8 +99,8 @@ class Base64 {
     int count_ = 0;
 };
 
-/// Transform of everything that is drawn into the unit ball. Nothing overflows or underflows for any coordinates:
-/// halves are added, and quotients are squared.
+/// Translation and scaling that moves everything drawn into the unit ball. No finite coordinates overflow or underflow:
+/// coordinates are halved before they are added, and divided by the extent before they are squared.
 class Normalised {
    public:
     explicit Normalised(const std::vector<Side>& sides) {
@@ -139,7 +140,7 @@ class Normalised {
     double extent_ = 1, radius_ = 1;
 };
 
-/// Writes the member `"name": "..."` of the page's data, after the text `before`.
+/// Writes `before`, then the JSON member `"name": "..."` of the page's data; its value is what `write` encodes as base64.
 template <class Write>
 void member(Sink& sink, const char* before, const char* name, Write write) {
     sink << before << '"' << name << "\": \"";
@@ -149,7 +150,7 @@ void member(Sink& sink, const char* before, const char* name, Write write) {
     sink << '"';
 }
 
-/// Calls take(side, corner) for the corners of all triangles, those of translucent ones last.
+/// Calls take(side, corner) for the corners of all triangles: first those of opaque triangles, then the others.
 template <class Take>
 void for_each_corner(const std::vector<Side>& sides, Take take) {
     for (const bool translucent : {false, true})
@@ -208,7 +209,7 @@ void add_contacts(const Intersections& collisions, Page& page) {
     for (std::size_t i = 0; i < collisions.pairs.size(); ++i) {
         const auto points = points_of_pair(collisions.contacts, i);
         if (points.size() == 1) page.points.push_back(points[0]);
-        const std::size_t lines = points.size() < 3 ? points.size() - 1 : points.size();  // an area is closed
+        const std::size_t lines = points.size() < 3 ? points.size() - 1 : points.size();  // an area's outline is closed
         for (std::size_t k = 0; k < lines; ++k)
             page.lines.insert(page.lines.end(), {points[k], points[(k + 1) % points.size()]});
     }
@@ -221,7 +222,7 @@ void write_page(std::ostream& out, const Page& contents, int height) {
     std::string_view text = viewer_html;
     const bool page = height == 0;
     if (page) sink << viewer_page;
-    while (true) {  // copies the text up to each @NAME@, and replaces that
+    while (true) {  // copies the text up to the next @NAME@, and replaces this placeholder
         const std::size_t begin = text.find('@'), end = text.find('@', begin + 1);
         sink << text.substr(0, begin);
         if (begin == text.npos) break;

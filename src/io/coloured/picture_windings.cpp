@@ -14,8 +14,9 @@ Vec3d projected(const Vec3d& p) {
 
 bool is_before(const Vec3d& a, const Vec3d& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
-/// True if a point lies to the left of an edge. A point lies to the left of exactly one of the two directions of an
-/// edge, so that a ray crosses exactly one of two triangles that share the edge and lie on opposite sides of it.
+/// True if a point lies to the left of the edge from a to b, in projection. A point is to the left of exactly one of the
+/// edges a-b and b-a, even if it lies on the line. So a ray through an edge crosses exactly one of two triangles that
+/// share the edge and lie on opposite sides of it.
 bool is_left(const Vec3d& a, const Vec3d& b, const Vec3d& p) {
     if (is_before(b, a)) return !is_left(b, a, p);
     return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) > 0;
@@ -75,8 +76,8 @@ int PictureWindings::at(const Vec3d& point, std::int32_t ignored) const {
         const bool left = is_left(a, b, p);
         if (is_left(b, d, p) != left || is_left(d, a, p) != left) continue;
         const Vec3d normal = cross(b - a, d - a);
-        // Counts triangles above the point: the ray leaves the body through those that are counter-clockwise seen from
-        // the far end of the ray, and enters it through the others.
+        // Only triangles above the point count. Seen from the far end of the ray, the ray leaves the body through
+        // counter-clockwise triangles (+1) and enters it through clockwise ones (-1).
         if (dot(normal, p - a) * (left ? 1 : -1) < 0) winding += left ? 1 : -1;
     }
     return winding;

@@ -20,8 +20,8 @@ class PictureWindings {
 
     static constexpr Vec3d direction{0.3712, 0.2153, 0.9033};
 
-    /// Returns the winding number at a point that does not lie on the surface; crossings of the triangle `ignored` are
-    /// left out. Cost: the triangles of one cell.
+    /// Returns the winding number at a point that does not lie on the surface, except perhaps on the triangle `ignored`,
+    /// which is left out. Cost: linear in the number of triangles of one grid cell.
     int at(const Vec3d& point, std::int32_t ignored = -1) const;
 
    private:
@@ -31,7 +31,7 @@ class PictureWindings {
     template <class Take>
     void for_each_cell(std::int32_t triangle, Take take) const;
 
-    std::vector<Vec3d> points_;  ///< x and y across the direction, z along it
+    std::vector<Vec3d> points_;  ///< rotated: z along the rays, x and y across them
     std::span<const std::int32_t> corners_;
     Vec3d low_{}, high_{};
     std::int32_t size_ = 1;  ///< cells in a row, and in a column

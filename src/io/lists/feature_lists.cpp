@@ -11,7 +11,7 @@ namespace {
 
 /// Pairs of one kind.
 struct PairsOfKind {
-    bool listed = false;  ///< written even if there are none
+    bool listed = false;  ///< the result has this kind: its arrays are written even if they are empty
     std::span<const Pair> pairs;
     std::span<const BodyPair> bodies;
     std::span<const double> values;
@@ -24,7 +24,7 @@ struct FeatureLists {
     std::array<PairsOfKind, candidate_kinds> lists;  ///< by CandidateKind
     std::span<const Edge> edges;
     std::span<const std::int64_t> first_edge;
-    std::span<const std::int32_t> points;  ///< as in Impacts
+    std::span<const std::int32_t> points;  ///< codimensional points, as in Impacts
     std::span<const std::int64_t> first_point;
     const Statistics* statistics;
     const FirstImpact* first = nullptr;  ///< null unless these are impacts
@@ -43,10 +43,10 @@ struct FeatureLists {
         return list.bodies.empty() ? BodyPair{0, 0} : list.bodies[i];
     }
     std::span<const Edge> edges_of(std::int32_t body) const { return piece(edges, first_edge, body); }
-    /// Returns the points of a body; empty if its points are its vertices.
+    /// Returns, for each codimensional point of a body, the index of its vertex; empty if point i is vertex i.
     std::span<const std::int32_t> points_of(std::int32_t body) const { return piece(points, first_point, body); }
 
-    /// Returns the pair with indices of vertices in place of those of points.
+    /// Returns a pair, with the indices of codimensional points replaced by the indices of their vertices.
     Pair by_vertex(CandidateKind kind, Pair pair, const BodyPair& bodies) const {
         const auto name_vertex = [&](std::size_t side, std::int32_t body, std::int32_t& id) {
             const auto of_body = points_of(body);
@@ -85,7 +85,7 @@ struct FeatureLists {
         return row;
     }
 
-    /// Calls use(row) in the order of the result. Value and flag of rows of candidates have no meaning.
+    /// Calls use(row) for all rows, in the order of the result. In rows of candidates, ignore value and flag.
     template <class Use>
     void for_each_row(Use use) const {
         for (const CandidateKind kind : all_kinds)
@@ -93,7 +93,8 @@ struct FeatureLists {
     }
 
    private:
-    /// Returns the range of a body; empty if there is no such body or range.
+    /// Returns a body's part of an array: the items from first[body] to first[body + 1]. Empty if there is no such body
+    /// or if these bounds are not valid.
     template <class T>
     static std::span<const T> piece(std::span<const T> all, std::span<const std::int64_t> first, std::int32_t body) {
         const auto b = static_cast<std::size_t>(body);
@@ -183,7 +184,7 @@ void add_earliest(Sink& sink, const FeatureLists& lists) {
     sink << R"(,"toi":)" << first.toi << R"(,"start":)" << int{first.start} << '}';
 }
 
-/// Returns the array of pairs, with indices of vertices in place of those of points.
+/// Returns the array of pairs, with the indices of codimensional points replaced by the indices of their vertices.
 ListMember pairs_by_vertex(const FeatureLists& lists, CandidateKind kind, ListArray array) {
     const std::span<const Pair> pairs = lists[kind].pairs;
     if (lists.points.empty()) return with_rows(std::move(array), pairs);

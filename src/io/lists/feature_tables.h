@@ -1,6 +1,6 @@
 #pragma once
 
-// Tables of impacts, near pairs and candidates: one layout, of which each list has some of the columns.
+// Tables of impacts, near pairs and candidates. All have one layout, and each list uses some of its columns.
 
 #include <span>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace crumple::io {
 
-/// Names of the columns of a list, and flags for the ones that it has.
+/// Names of the columns that differ between lists, and flags for the optional columns and kinds of pairs.
 struct FeatureWords {
     std::string_view what;         ///< names the results in messages
     std::string_view value, flag;  ///< names of columns and arrays; candidates have neither
@@ -45,10 +45,11 @@ ListArray first_edge_array();
 ListTable table_of(const Impacts& impacts);
 ListTable table_of(const Proximities& nearby);
 ListTable table_of(const Candidates& candidates);
-/// Returns the pairs of triangles alone.
+/// Returns the list of the pairs of triangles of the impacts, without the pairs of features.
 ListTable table_of_triangle_pairs(const Impacts& impacts);
 
-/// Puts the lower vertex of each edge first, and if both features are of one type, the lesser feature.
+/// Puts the vertex of lower index of each edge first and, if both features of the row are of one type, the lesser one
+/// first (by body, then by ids).
 void put_in_order(CandidateRow& row);
 
 }  // namespace crumple::io

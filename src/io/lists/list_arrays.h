@@ -25,7 +25,7 @@ namespace crumple::io {
 
 enum class NumberType : std::uint8_t { int32, int64, float64, uint8 };
 
-/// Calls use with a zero of this type.
+/// Calls use(zero), with a zero of the C++ type for `type`.
 template <class Use>
 void with_number_of(NumberType type, Use use) {
     if (type == NumberType::int32) return use(std::int32_t{});
@@ -39,25 +39,25 @@ void with_number_of(NumberType type, Use use) {
 struct ListArray {
     std::string name;
     NumberType type = NumberType::int32;
-    std::size_t width = 1;                       ///< numbers of a row
+    std::size_t width = 1;                       ///< numbers per row
     std::array<std::string_view, 2> nouns = {};  ///< name the ids of a row in messages
     std::string_view row_noun = {};              ///< names a row in messages: "pair"
     bool integers_only = false;                  ///< ids that are not stored as integers are refused
-    bool may_be_nan = false;                     ///< null in .json means NaN, else infinity
+    bool may_be_nan = false;                     ///< null in .json means NaN if true, infinity if false
 
     bool has_ids() const { return type == NumberType::int32 || type == NumberType::int64; }
 };
 
-/// Array, or other member of a .json, to be written.
+/// Array to be written, or another member of a .json file.
 struct ListMember : ListArray {
     const void* data = nullptr;
     std::size_t rows = 0;
     bool in_json = true;
-    std::function<void(Sink&)> write_json = {};  ///< writes a member that .json has and .npz has not
-    std::shared_ptr<const void> owner = {};      ///< owner of data that is not part of the result
+    std::function<void(Sink&)> write_json = {};  ///< writes the value of a member of .json only
+    std::shared_ptr<const void> owner = {};      ///< keeps `data` alive if it was made for writing
 };
 
-/// Returns an array of these rows, which must outlive it.
+/// Returns the array with `rows` as its data, which are not copied: they must outlive the array.
 template <class Row>
 ListMember with_rows(ListArray array, std::span<const Row> rows, bool in_json = true) {
     return {std::move(array), rows.data(), rows.size(), in_json};
@@ -76,11 +76,11 @@ struct ArrayNumbers {
 };
 using NumbersByName = std::map<std::string, ArrayNumbers, std::less<>>;
 
-/// Read those of the arrays that a file has, and ignore everything else in it. Throw Error (format) that names array
-/// and row, or the byte, if values are of another type or shape, or ids out of range.
+/// Read the arrays of `arrays` that the file has, and ignore all others. Throw Error (format) if values are of another
+/// type or shape, or if ids are out of range; the message names the array and the row, or the byte.
 NumbersByName read_list_json(const Source& source, std::span<const ListArray> arrays);
 NumbersByName read_list_npz(const Source& source, std::span<const ListArray> arrays);
-/// Reads a .npy file, which holds this one array.
+/// Reads a .npy file, which holds one array. `array` describes it.
 NumbersByName read_list_npy(const Source& source, const ListArray& array);
 
 /// Checks and stores the numbers of an array, one by one.

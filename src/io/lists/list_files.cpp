@@ -72,7 +72,7 @@ void ListWriter::add(const ListTable& block) {
         block.add_rows(writer);
     }
     if (*out_) return;
-    if (file_) file_->complete();  // throws Error that states the reason
+    if (file_) file_->complete();  // throws an Error that states the reason
     fail_to_write(what_);
 }
 

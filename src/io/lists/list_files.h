@@ -17,7 +17,7 @@
 
 namespace crumple::io {
 
-/// List of results, or a block of one. Valid only as long as the result.
+/// List of results, or a block of such a list. Refers to the result, which must outlive it.
 struct ListTable {
     std::string_view what;  ///< names the results in messages: "near pairs"
     RowTable rows;
@@ -45,13 +45,13 @@ class ListWriter {
     std::ostream* out_;
 };
 
-/// Table that a file must hold, and the functions that consume what is read.
+/// Description of the table that a file must hold, and the functions that consume its rows or arrays.
 struct ListReader {
     RowTable rows;  ///< for .txt and .csv
     TakeRow consume_row;
     std::vector<ListArray> arrays;  ///< for .json and .npz
     std::function<void(const NumbersByName&)> consume_arrays;
-    bool reads_npy = false;  ///< true if .npy files are read: they hold the first of the arrays
+    bool reads_npy = false;  ///< true if .npy files are accepted; they hold arrays[0]
 };
 /// Reads a list. The extension of the source's name selects the format, text by default. Throws Error (file, format).
 void read_list(const Source& source, const ListReader& reader);

@@ -88,7 +88,8 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
         inside_->add(value);
         return true;
     }
-    /// Handles any other value: fails within an array that is read, and ignores the value elsewhere.
+    /// Handles a value that this class does not read: fails if it is inside an array that is being read, and ignores it
+    /// elsewhere.
     bool other() {
         if (inside_) fail();
         named_ = nullptr;
@@ -104,8 +105,8 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
     std::span<const ListArray> arrays_;
     NumbersByName found_;
     std::size_t depth_ = 0;
-    std::size_t row_end_ = 0;             ///< count of numbers at the end of the row that has begun, or 0
-    const ListArray* named_ = nullptr;    ///< array whose name was the last key
+    std::size_t row_end_ = 0;             ///< count of numbers when the current row will be complete; 0 outside rows
+    const ListArray* named_ = nullptr;    ///< array whose name was the last key, or null
     std::optional<ArrayChecker> inside_;  ///< checks the numbers of the array that has begun
 };
 

@@ -40,15 +40,15 @@ struct ListField {
 };
 
 struct ListSection {
-    std::string_view keyword;  ///< first word of its rows; empty if there is no other section
+    std::string_view keyword;  ///< first word of its rows; empty if the table has one section
     std::vector<ListField> fields;
 };
 
 struct RowTable {
     std::vector<std::string> columns;  ///< heading of the .csv; the column of keywords, if any, is first
     std::vector<ListSection> sections;
-    std::size_t may_lack = 0;    ///< number of last fields that rows may lack
-    bool may_have_more = false;  ///< words after the fields are ignored, and text may have commas between words
+    std::size_t may_lack = 0;    ///< number of fields at the end of a row that may be missing
+    bool may_have_more = false;  ///< readers ignore words after the last field; .txt may have commas between words
 };
 
 /// Writer of rows as .txt or .csv. `table` must outlive it.
@@ -57,7 +57,7 @@ class RowWriter {
     RowWriter(std::ostream& out, const RowTable& table, bool csv) : sink_(out), table_(table), csv_(csv) {}
 
     void write_heading();
-    /// Writes a row: the values of the section's fields, in order; the last ones may be missing.
+    /// Writes a row: the values of the section's fields, in order. The last fields may have no value.
     void add(std::size_t section, std::span<const ListValue> values);
 
    private:
@@ -67,10 +67,11 @@ class RowWriter {
     std::vector<const ListValue*> cells_;  ///< values of a row; null: an empty cell
 };
 
-/// Returns a cell of a .csv, in quotes if a comma, a quote, a line end or a blank at either end would be misread.
+/// Returns the text of a .csv cell. Puts it in quotes if it has a comma, a quote or a line end, or a blank at either end.
 std::string csv_cell(std::string_view text);
 
-/// Consumes a row that has been read. Returns what is wrong with it, or an empty text.
+/// Callback that consumes a row that has been read. Returns a message that says what is wrong with the row, or an empty
+/// text.
 using TakeRow = std::function<std::string(std::size_t section, std::span<const ListValue> values)>;
 
 /// Read all rows. Throw Error (format) that names the line.

@@ -18,7 +18,7 @@ namespace {
 constexpr std::array<std::string_view, 6> relation_names{"touching",      "overlapping", "first_inside",
                                                          "second_inside", "equal",       "undefined"};
 
-/// Calls use(quantity, place of its first number in a row).
+/// Calls use(quantity, index of its first number in OverlapListRow::numbers) for each quantity.
 template <class Use>
 void for_each_quantity(Use use) {
     std::size_t place = 0;
@@ -58,7 +58,7 @@ ListArray array_of(const OverlapQuantity& quantity) {
     return array;
 }
 
-/// Returns the array of the numbers that numbers_of(row) returns, `array.width` per row.
+/// Returns an array filled with what numbers_of(row) returns for each row of the list: `array.width` numbers.
 template <class NumbersOf>
 ListMember member_of(ListArray array, const OverlapList& list, NumbersOf numbers_of) {
     using Number = std::remove_cvref_t<decltype(numbers_of(list.rows[0])[0])>;
@@ -143,7 +143,7 @@ class OverlapReader {
     }
 
    private:
-    /// Adds the row of these values of a .csv, or returns what is wrong with them.
+    /// Adds the row that consists of these values of a .csv. If it is not valid, returns what is wrong with it.
     std::string add(std::span<const ListValue> values) {
         OverlapListRow row;
         if (list_.has_configurations) {
@@ -216,7 +216,7 @@ class OverlapReader {
 
     static constexpr std::array<double, relation_names.size()> all_relations{0, 1, 2, 3, 4, 5};
     const Source& source_;
-    std::size_t count_;  ///< bodies
+    std::size_t count_;  ///< number of bodies
     std::unordered_map<std::string, std::int32_t> bodies_;
     OverlapList list_;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of overlaps of bodies, in one configuration of them or in many.
+// Lists of overlaps of bodies, in one configuration (a pose for each body) or in many.
 //
 //     columns of .csv   [configuration,] first, second, relation, volume, centroid_x, centroid_y, centroid_z, ...
 //     arrays            [configuration,] bodies, relation, volume, centroid, ...: as in Python
@@ -22,7 +22,7 @@ namespace crumple::io {
 /// Name of a relation in files: "first_inside".
 std::string_view name_of(OverlapRelation relation);
 
-/// Number or vector of a row, named as in Overlaps.
+/// Description of a number or vector of each row, with the name of the member of Overlaps that has it.
 struct OverlapQuantity {
     std::string_view name;
     std::size_t width;
@@ -62,7 +62,8 @@ struct OverlapList {
     bool has_numbers = true;
     std::vector<OverlapListRow> rows = {};
 
-    /// Adds the rows of worlds of `bodies` bodies each. The first world is configuration `first_configuration`.
+    /// Adds the rows of `overlaps`, found in one search of several worlds that have `bodies` bodies each. World w becomes
+    /// configuration `first_configuration` + w.
     void add(const Overlaps& overlaps, std::int32_t bodies, std::int32_t first_configuration);
 };
 
@@ -79,8 +80,9 @@ void write_overlaps(const std::filesystem::path& path, const OverlapList& list, 
 void write_overlaps(std::ostream& out, const OverlapList& list, const OverlapBodies& bodies,
                     const Statistics& statistics, PairFormat format);
 
-/// Reads such a list. Throws Error (file, format) that names the place, for example of a name that no body has, or if
-/// only some of the quantities are present. `has_configurations`: true if the list must have configurations.
+/// Reads a list written by write_overlaps. `names`: names of the bodies. `has_configurations`: true if the list must have
+/// configurations. Throws Error (file, format), which names the place in the file, for example if no body has a name of
+/// the list, or if only some of the quantities are present.
 OverlapList read_overlaps(const std::filesystem::path& path, std::span<const std::string> names,
                           bool has_configurations);
 /// Reads a stream to its end. `name` is for messages, and its extension selects the format.

@@ -12,7 +12,7 @@
 namespace crumple::io {
 
 RowTable pair_rows(bool contacts);
-/// Throws Error (invalid_argument) unless the contacts are those of the pairs.
+/// Returns the list of the pairs. Throws Error (invalid_argument) unless the contacts fit the pairs.
 ListTable table_of(const Intersections& collisions);
 /// Writes a row for each pair. `contacts` may be empty.
 void add_pairs(RowWriter& writer, std::span<const Pair> pairs, const Contacts& contacts);

@@ -7,7 +7,7 @@
 namespace crumple::io {
 namespace {
 
-/// Returns what is wrong with the value of a row, or nothing.
+/// Returns what is wrong with the value of a row, or an empty text.
 std::string check_value(const FeatureRow& row, const FeatureWords& words) {
     const bool motion = words.value == impact_words.value;
     if (motion && !(row.value >= 0 && row.value <= 1)) return "a time of contact lies in [0, 1]";
@@ -35,7 +35,7 @@ class FeatureReader {
     }
 
    private:
-    /// Adds the row of these values, or returns what is wrong with them.
+    /// Adds the row that consists of these values. If it is not valid, returns what is wrong with it.
     std::string add(CandidateKind kind, std::span<const ListValue> values) {
         FeatureRow row;
         row.kind = kind;
@@ -67,8 +67,9 @@ class FeatureReader {
         if (!words_.has_values() && std::none_of(kinds_.begin(), kinds_.end(), has))
             fail("there is none of the arrays \"vertex_faces\", \"edge_edges\" and so on");
         for (const CandidateKind kind : kinds_) {
-            // Lists of candidates have the requested kinds only. Other lists may lack pairs of codimensional features
-            // and pairs of triangles, or have pairs of triangles alone.
+            // Some kinds may have no arrays in the file. Lists of candidates have only the requested kinds. Lists of
+            // impacts and near pairs may lack pairs of codimensional features and pairs of triangles, and lists of
+            // impacts may have pairs of triangles only.
             const bool may_lack =
                 !words_.has_values() || has(CandidateKind::face_face) || kind >= CandidateKind::face_face;
             if (!may_lack || has(kind)) add(numbers, kind);
@@ -109,7 +110,7 @@ class FeatureReader {
         }
     }
 
-    /// Returns the vertices of an edge that a row of these arrays names.
+    /// Returns the vertices of edge `id`, which row `row` of `arrays` names.
     std::array<std::int32_t, 2> ends_of_edge(const ListId& id, const std::vector<ListArray>& arrays,
                                              std::size_t row) const {
         auto edge = static_cast<std::size_t>(id.index);

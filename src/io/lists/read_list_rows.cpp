@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view csv_blanks = " \t\r";
 
-/// Removes the number at the start of a word and returns it; nothing if there is none.
+/// Removes the integer at the start of a word and returns it; returns nothing if the word starts with no integer.
 std::optional<std::int32_t> read_index(std::string_view& word) {
     std::int32_t index = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
@@ -76,7 +76,8 @@ class RowReader {
         return words_[0].find_first_of("+-0123456789") != 0;
     }
 
-    /// Returns the end of the line, or of a later one if the line ends within quotes.
+    /// Returns the end of the record that begins at the current line. A record whose quoted words contain line ends
+    /// continues on later lines.
     const char* end_of_record() const {
         const char *begin = line_, *end = line_;
         for (bool within_quotes = false;; begin = end++) {
@@ -103,7 +104,8 @@ class RowReader {
         }
     }
 
-    /// Moves the quoted word at the start of the line to `unquoted_`. A doubled quote stands for one quote of the word.
+    /// Removes the quoted word at the start of the line, and appends its text to `unquoted_`. Within the quotes, two
+    /// quotes stand for one.
     void read_quoted(std::string_view& line) {
         std::string& word = unquoted_.emplace_back();
         for (line.remove_prefix(1);;) {
@@ -129,7 +131,8 @@ class RowReader {
         fail(in_quotes(word) + " is none of " + names);
     }
 
-    /// Picks the words of the section's fields from those of all columns, and consumes the row.
+    /// Picks from all columns the words that belong to fields of the row's section, and consumes the row. Words in other
+    /// columns are errors.
     void parse_csv_row() {
         const std::size_t section = section_of(words_[0]), most = table_.columns.size();
         const std::size_t least = most - table_.may_lack;

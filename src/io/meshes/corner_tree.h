@@ -1,8 +1,8 @@
 #pragma once
 
-// Tree over corners of a polygon in the plane, which finds those that may lie in a triangle. A node is a range of the
-// corners, split at the median along the longer side of its box; it stores the box and the number of corners that are
-// left.
+// Binary tree over corners of a plane polygon, which finds the corners that may lie in a triangle. A node is a range of
+// the corners. It is split at the median along the longer side of its box, and stores the box and the number of its
+// corners that have not been removed.
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ namespace crumple::io {
 
 class CornerTree {
    public:
-    /// Builds the tree over these corners, projected along `axis`. O(n log n).
+    /// Builds the tree over these corners (indices of points), projected along coordinate axis `axis`. O(n log n).
     void build(std::span<const Vec3d> points, std::vector<int> corners, int axis) {
         points_ = points;
         axis_ = axis;
@@ -44,8 +44,8 @@ class CornerTree {
         }
     }
 
-    /// True if hit(corner) holds for any corner that may lie in the closed triangle. `sign`: 1 if the triangle runs
-    /// counter-clockwise, else -1.
+    /// True if hit(corner) holds for any corner in the closed triangle, whose three vertices are corners. May also call
+    /// hit for corners outside the triangle. `sign`: 1 if the triangle runs counter-clockwise, else -1.
     template <class Hit>
     bool any_in(const std::array<int, 3>& triangle, int sign, Hit hit) const {
         return !corners_.empty() && any_in(0, triangle, sign, hit);
@@ -55,9 +55,9 @@ class CornerTree {
     static constexpr int leaf_size = 8;
     struct Node {
         int begin = 0, end = 0;  ///< in `corners_`
-        int left = 0;            ///< number of these that are not removed
-        int child = -1;          ///< the first of two nodes; -1: a leaf
-        int next = -1;           ///< the second node of the parent, if this is its first
+        int left = 0;            ///< number of corners of the range that have not been removed
+        int child = -1;          ///< index of the first of two child nodes; -1: a leaf
+        int next = -1;           ///< for a first child, index of the second child of the same parent
         Vec3d low, high;
     };
 
@@ -101,7 +101,7 @@ class CornerTree {
         return false;
     }
 
-    /// True if a side of the box or of the triangle certainly separates the two.
+    /// True if a side of the node's box or of the triangle certainly separates the box from the triangle.
     bool is_apart(const Node& node, const std::array<int, 3>& triangle, int sign) const {
         const Vec3d &a = point(triangle[0]), &b = point(triangle[1]), &c = point(triangle[2]);
         const int x = first_axis(axis_), y = second_axis(axis_);
@@ -126,7 +126,7 @@ class CornerTree {
     std::span<const Vec3d> points_;
     int axis_ = 2, used_ = 0;
     std::vector<int> corners_;
-    std::vector<int> place_;  ///< by corner: its place in `corners_`, or -1
+    std::vector<int> place_;  ///< by corner: its index in `corners_`, or -1 if it is not in the tree
     std::vector<Node> nodes_;
 };
 

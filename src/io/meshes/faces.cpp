@@ -6,8 +6,8 @@
 
 namespace crumple::io {
 
-/// Starts the list of polygons, at the fourth corner of the first face that has one: all faces before it were
-/// triangles.
+/// Starts the list of polygons. Called at the fourth corner of the first face that has more than three: all faces before
+/// it are triangles, which become the first polygons of the list.
 void Faces::begin_polygons() {
     has_polygons_ = true;
     const std::size_t faces = triangles_.size() / 3 - 2;
@@ -25,7 +25,7 @@ void Faces::end_polygon() {
     polygons_.of_triangle.resize(triangles_.size() / 3, index);
 }
 
-/// Triangulates the polygons of `to_cut_`. Those that cross themselves stay fanned, and are counted in the result.
+/// Triangulates the polygons of `to_cut_`. Polygons that cross themselves remain fans; the result counts them.
 Tally Faces::cut_polygons(const std::function<Vec3d(std::int32_t)>& point) {
     Triangulator triangulator;
     std::vector<Vec3d> points;
@@ -39,7 +39,7 @@ Tally Faces::cut_polygons(const std::function<Vec3d(std::int32_t)>& point) {
         for (std::size_t k = 0; k < corners; ++k) points.push_back(point(polygons_.corners[begin + k]));
         local.clear();
         if (!triangulator.cut(points, local)) crossing.add(polygon.place);
-        // Each polygon before this one has two triangles less than corners.
+        // A polygon has two triangles fewer than corners, so `begin - 2 * i` triangles come before this polygon.
         std::int32_t* const triangles = &triangles_[3 * (begin - 2 * i)];
         for (std::size_t k = 0; k < local.size(); ++k)
             triangles[k] = polygons_.corners[begin + static_cast<std::size_t>(local[k])];

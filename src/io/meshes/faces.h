@@ -1,7 +1,8 @@
 #pragma once
 
-// Builder of triangles from the faces of a file, which are added corner by corner. Each face is fanned at once, so that
-// files of triangles have no extra cost; polygons are stored as well, and triangulated once all vertices are known.
+// Builder of triangles from the faces of a file, which are added corner by corner. Each face is at first divided into a
+// fan of triangles around its first corner, so that files of triangles have no extra cost. Once a face has more than
+// three corners, polygons are stored as well, and mesh() can triangulate them better because all vertices are known.
 
 #include <cstdint>
 #include <functional>
@@ -19,7 +20,7 @@ class Faces {
    public:
     void reserve(std::int64_t faces) { triangles_.reserve(3 * static_cast<std::size_t>(faces)); }
 
-    /// Begins a face; `place` is its place in the file.
+    /// Begins a face; `place` points to it in the text or bytes of the file.
     void begin(const char* place) {
         place_ = place;
         corners_ = 0;
@@ -43,8 +44,8 @@ class Faces {
 
     std::size_t triangle_count() const { return triangles_.size() / 3; }
 
-    /// Returns the mesh of these faces and vertices; every corner must be the index of a vertex. `lines`: warnings name
-    /// lines, else bytes.
+    /// Returns the mesh of these faces and vertices; every corner must be the index of a vertex. `lines`: true if warnings
+    /// name lines of the file, false if they name bytes. Call once: it moves the faces out.
     template <class Scalar>
     TriangleMesh mesh(std::vector<Scalar>&& vertices, Triangulation triangulation, Warnings& warnings, bool lines) {
         const auto warn = [&](const Tally& faces, const std::string& what) {

@@ -1,6 +1,7 @@
-// Reader and writer of OBJ: one statement per line. `v` and `f` make the mesh, `l` and `p` its lines and points if
-// requested. Other statements of the format are skipped, except free-form surfaces: these are refused, because a part
-// of the scene would be missing. Statements that exporters have added to the format are skipped with a warning.
+// Reader and writer of OBJ: one statement per line. The statements `v` and `f` define the mesh, `l` and `p` its lines and
+// points, which are read if requested. Other statements of the format are skipped, except those of free-form surfaces:
+// these are errors, because a part of the scene would be missing. Statements that exporters have added to the format
+// are skipped with a warning.
 
 #include <algorithm>
 #include <cctype>
@@ -27,7 +28,8 @@ bool is_one_of(std::span<const std::string_view> words, std::string_view word) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// True if an exporter could have added a statement of this name; any other word means that the file is damaged.
+/// True if a statement could have this name in an extension of the format by an exporter. Any other word at the start of
+/// a line means that the file is damaged.
 bool is_identifier(std::string_view word) {
     return !std::isdigit(static_cast<unsigned char>(word[0])) &&
            std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
@@ -127,7 +129,7 @@ class ObjReader {
         }
         const std::int64_t index = written > 0 ? written - 1 : vertex_count() + written;
         if (written == 0 || index < 0 || index > INT32_MAX) fail_range(what, place, written);
-        if (index > furthest_) {  // the vertex may still follow
+        if (index > furthest_) {  // the vertex may follow later in the file
             furthest_ = index;
             furthest_place_ = place;
             furthest_what_ = what;
@@ -135,7 +137,8 @@ class ObjReader {
         return static_cast<std::int32_t>(index);
     }
 
-    /// True for at most two slashes, each followed by an integer or nothing. The integers are not checked.
+    /// True if the text consists of at most two slashes, each followed by an integer or nothing. The range of the integers
+    /// is not checked.
     static bool are_further_indices(std::string_view text) {
         for (int slashes = 0; slashes < 2 && text.starts_with('/'); ++slashes) {
             text.remove_prefix(1);
@@ -190,7 +193,7 @@ void write_material(Sink& sink, const Material& material) {
 }  // namespace
 
 bool starts_obj(std::string_view word) {
-    // Not all statements: `p` and `s` might be remains of "ply" and "solid" in a damaged file.
+    // Some statements are left out of this list: `p` and `s` might be remains of "ply" and "solid" in a damaged file.
     for (const std::string_view usual : {"v", "vn", "vt", "f", "o", "g", "mtllib", "usemtl"}) {
         if (word == usual) return true;
     }

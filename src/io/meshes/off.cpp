@@ -1,6 +1,6 @@
-// Reader and writer of OFF: counts, then one vertex per line, then faces. Prefixes in the header (ST, C, N) announce
-// data that follow the coordinates of a vertex in its line; they are skipped, as are colours in the line of a face's
-// last corner.
+// Reader and writer of OFF: counts, then one vertex per line, then faces. Prefixes in the header (ST, C, N) announce data
+// that follow the coordinates of a vertex on its line. The reader skips these data, and colours after the last corner of
+// a face on the same line.
 
 #include <algorithm>
 
@@ -20,8 +20,8 @@ class OffReader {
 
     TriangleMesh read(const ReadOptions& options, Warnings& warnings) {
         read_header();
-        const std::int64_t vertices = read_count("vertices", 6);  // "0 0 0" and the line's end
-        const std::int64_t faces = read_count("faces", 2);        // "0" and the line's end
+        const std::int64_t vertices = read_count("vertices", 6);  // at least 6 bytes each: "0 0 0" and a line end
+        const std::int64_t faces = read_count("faces", 2);        // at least 2 bytes each: "0" and a line end
         if (!in_.finished()) in_.integer("a count of edges");     // never used, often wrong or missing
         if (!in_.finished()) in_.fail("the line of counts goes on");
         in_.skip_line();
@@ -33,7 +33,7 @@ class OffReader {
             for (int axis = 0; axis < 3; ++axis) xyz.push_back(in_.real<Scalar>());
             in_.skip_line();
         }
-        faces_.reserve(std::min(faces, static_cast<std::int64_t>(in_.remaining()) / 8));  // "3 0 1 2"
+        faces_.reserve(std::min(faces, static_cast<std::int64_t>(in_.remaining()) / 8));  // "3 0 1 2" and a line end: 8 bytes
         for (std::int64_t f = 0; f < faces; ++f) {
             read_face(vertices);
             in_.skip_line();
@@ -43,7 +43,7 @@ class OffReader {
     }
 
    private:
-    /// Moves to the next item, in this line or a later one.
+    /// Moves to the next word, in this line or a later one. Throws Error, which names `what`, at the end of the file.
     void next_item(const char* what) {
         if (!in_.next_line_with_items()) in_.fail(std::string(what) + " is missing");
     }

@@ -61,7 +61,7 @@ class BodyReader {
             else
                 skip_rows(element);
         }
-        // A count that is too small would otherwise hide the rest of the mesh.
+        // Without this check, a count that is too small would go unnoticed, and the rest of the mesh would be missing.
         const char* const rest = body_.position();
         const std::string_view left(rest, static_cast<std::size_t>(source_.end() - rest));
         if (left.find_first_not_of(" \t\r\n") != left.npos) {
@@ -198,8 +198,9 @@ class BodyReader {
         }
     }
 
-    /// Reads a triangle strip: each corner makes a triangle with the two before it, and every other triangle is
-    /// reversed; -1 starts a new strip. Strips turn and jump by triangles that name a vertex twice; these are left out.
+    /// Reads triangle strips: each corner makes a triangle with the two before it, and every other triangle is reversed;
+    /// -1 starts a new strip. A strip that changes direction or jumps contains triangles that name a vertex twice; these
+    /// are left out.
     void read_strip() {
         std::int32_t before = -1, last = -1;
         bool turned = false;

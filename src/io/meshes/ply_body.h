@@ -62,7 +62,7 @@ class AsciiBody {
    public:
     AsciiBody(const Source& source, const PlyHeader& header) : in_(source, {}, header.body) {}
 
-    static std::int64_t least_size(PlyType) { return 2; }  // a digit and a blank
+    static std::int64_t least_size(PlyType) { return 2; }  // at least a digit and a blank
     std::int64_t remaining() const {
         return static_cast<std::int64_t>(in_.remaining()) + 1;
     }  // the last value needs no blank

@@ -1,6 +1,6 @@
-// Slices of binary PLY files whose rows have known places: the only lists are the corners of faces, three each. Each
-// reader checks this for the faces of its block. A face with another number of corners would shift all rows behind it,
-// so nothing is returned then.
+// Reads slices of binary PLY files in which all rows of an element have one length: the only lists are the corners of
+// faces, three per face. Each reader checks this for the faces of its block. A face with another number of corners would
+// shift all rows behind it, so read_ply_slice() then returns nothing.
 
 #include "io/meshes/ply_slice.h"
 
@@ -28,7 +28,7 @@ Value value_at(const char* p, PlyType type, std::endian order) {
     return with_type(type, [&](auto zero) { return static_cast<Value>(load<decltype(zero)>(p, order)); });
 }
 
-// Numbers of the properties that are read; x, y and z are 0 to 2.
+// Numbers by which Column identifies the properties that are read; 0, 1 and 2 are x, y and z.
 constexpr std::size_t corners_number = 3, group_number = 4, property_count = 5;
 
 struct Column {
@@ -37,7 +37,7 @@ struct Column {
     const PlyProperty* property;
 };
 
-/// Rows of an element.
+/// Place and layout of the rows of an element, in bytes of the file.
 struct Rows {
     std::int64_t count = 0, begin = 0, row_bytes = 0;
     std::vector<Column> columns;  ///< properties that are read, in the order of the row
@@ -49,8 +49,8 @@ struct Layout {
     Rows vertices, faces;
 };
 
-/// Returns where rows lie, or nothing if rows have no fixed length, or do not add up to the size of the file. Throws
-/// Error if the header names an element or a property twice.
+/// Returns where the rows of vertices and faces lie, or nothing if rows have no fixed length, or if their total length is
+/// not that of the file. Throws Error if the header names an element or a property twice.
 std::optional<Layout> layout_of(const RowFile& file, const Source& beginning, const PlyHeader& header,
                                 const std::string& group_property) {
     const PlyElement* const vertex = header.find(beginning, "vertex");
@@ -88,7 +88,7 @@ std::optional<Layout> layout_of(const RowFile& file, const Source& beginning, co
     return begin == file.size() ? std::optional(layout) : std::nullopt;
 }
 
-/// Calls f(row, byte of the row) for the rows of a reader's block, until one returns false.
+/// Calls f(row, byte offset of the row) for each row of a reader's block, until f returns false. Returns false if it did.
 template <class F>
 bool for_each_row(RowFile& file, const Rows& rows, const Blocks& blocks, int reader, F f) {
     return file.for_each(rows.begin + blocks.begin(reader) * rows.row_bytes, rows.row_bytes, blocks.size(reader), f);
@@ -148,7 +148,7 @@ std::optional<MeshSlice> read_ply_slice(RowFile& file, const Source& beginning, 
     try {
         header = read_ply_header(beginning);
         layout = layout_of(file, beginning, header, options.group_property);
-    } catch (const Error&) {  // read_mesh, which reads the whole file, reports the error
+    } catch (const Error&) {  // the caller uses read_mesh() instead, which reports the error
     }
     if (!layout) return std::nullopt;
     MeshSlice slice{{layout->faces.count, readers}, {layout->vertices.count, readers}, {}, options.weld == Weld::yes};

@@ -10,7 +10,8 @@
 
 namespace crumple::io {
 
-/// Reads a slice as read_slice() does. `beginning`: first bytes of the file, which hold its header.
+/// Reads a slice of a PLY file as read_slice() does (io/bytes/slice.h). `beginning`: first bytes of the file, including
+/// its header.
 std::optional<MeshSlice> read_ply_slice(RowFile& file, const Source& beginning, const ReadOptions& options, int reader,
                                         int readers);
 

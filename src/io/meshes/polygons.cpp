@@ -1,4 +1,5 @@
-// Intersections of polygons: each pair of triangles counts for the polygons that the triangles were cut from.
+// Converts intersections of triangles to intersections of polygons: each pair of triangles becomes the pair of the
+// polygons that the triangles were cut from.
 
 #include "io/meshes/polygons.h"
 

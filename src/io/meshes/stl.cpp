@@ -1,7 +1,7 @@
-// Reader and writer of STL: triangles by their coordinates. Binary: 80 arbitrary bytes, a count, and 50 bytes per
-// triangle (normal, three vertices, 16 bits). Text: `solid`, facets, `endsolid`, for each solid. Normals are skipped.
-// Both kinds may begin with "solid": a file of exactly the size that it announces, or with a zero byte near its
-// beginning, is binary.
+// Reader and writer of STL: triangles by their coordinates. Binary files have 80 arbitrary bytes, a count, and 50 bytes
+// per triangle (normal, three vertices, 16 bits). Text files have `solid`, facets and `endsolid` for each solid. The
+// reader skips normals. Both kinds may begin with "solid": a file is binary if its size is exactly the size that its
+// count implies, or if it has a zero byte near its beginning.
 
 #include <algorithm>
 #include <array>
@@ -33,7 +33,7 @@ std::size_t announced_count(const Source& source) {
 
 bool is_text(const Source& source) { return source.text().substr(0, 512).find('\0') == std::string_view::npos; }
 
-/// Throws Error at the first coordinate from `record` on that is not finite; there must be one.
+/// Throws Error that names the first coordinate from `record` on that is not finite. There must be such a coordinate.
 [[noreturn]] void fail_not_finite(const Source& source, const char* record) {
     for (;; record += record_size)
         for (std::size_t i = 0; i < 9; ++i) {
@@ -45,7 +45,7 @@ bool is_text(const Source& source) { return source.text().substr(0, 512).find('\
 
 template <class Scalar>
 TriangleMesh read_binary(const Source& source) {
-    constexpr std::size_t block = 256;  // triangles, so that their coordinates stay in the cache
+    constexpr std::size_t block = 256;  // triangles per block, few enough for the cache
     std::array<Scalar, 9 * block> coordinates;
     std::array<std::int32_t, 3 * block> corners;
     const char* record = source.begin() + prologue_size;
@@ -84,8 +84,8 @@ Keyword keyword_named(std::string_view word) {
     return static_cast<Keyword>(found - std::begin(keywords));
 }
 
-/// Reader of STL as text. A keyword may be followed by other words in its line, such as names and colours, and may have
-/// a blank after "end".
+/// Reader of STL as text. A keyword may be followed by other words on its line, such as names and colours. "end solid"
+/// and so on, with a blank, are accepted as keywords.
 template <class Scalar>
 class AsciiReader {
    public:
@@ -104,10 +104,10 @@ class AsciiReader {
     /// Reads the rest of a solid, after its first keyword.
     void read_solid() {
         const char* const solid = place_;
-        skip_line();  // a name, which may be any text
+        skip_line();  // the solid's name, which may be any text
         if (in_.at_end() && xyz_.empty()) in_.fail(solid, "no line follows this one, which holds the solid's name");
         while (next()) {
-            if (keyword_ == Keyword::endsolid) return skip_line();  // its name again
+            if (keyword_ == Keyword::endsolid) return skip_line();  // skips the name, which is repeated here
             if (keyword_ != Keyword::facet) fail("facet or endsolid");
             read_facet();
         }
@@ -212,7 +212,7 @@ TriangleMesh read_stl(const Source& source, const ReadOptions& options, Warnings
     const char* const place = source.begin() + std::min(header_size, size);
     const std::size_t end = size < prologue_size ? SIZE_MAX : prologue_size + record_size * announced_count(source);
     if (end > size) source.fail_at_byte(place, "the file is too short for the triangles announced here");
-    constexpr std::size_t most = INT32_MAX / 3;  // three vertices each, ids int32
+    constexpr std::size_t most = INT32_MAX / 3;  // each triangle has three vertices, and vertex ids are int32
     if (announced_count(source) > most) source.fail_at_byte(place, "more than " + std::to_string(most) + " triangles");
     if (end < size) {
         warnings.at_byte(source.begin() + end,

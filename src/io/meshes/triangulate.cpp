@@ -11,9 +11,9 @@ namespace {
 
 constexpr std::int8_t cut_off = 2;
 
-/// Returns the sign of the turn a, b, c for coordinates beyond the range of expansions, exactly: in integer multiples
-/// of a power of two that divides all coordinates. Rationals would take a hundred times as long, because they are
-/// reduced.
+/// Returns the exact sign of the turn a, b, c (the orientation of the triangle, projected along axis `dropped`), for
+/// coordinates beyond the range of floating-point expansions. Computes with integers, in units of a power of two that
+/// divides all coordinates. Rationals would take a hundred times as long, because they are reduced after each operation.
 int integer_turn(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     using Integer = boost::multiprecision::cpp_int;
     const int x = first_axis(dropped), y = second_axis(dropped);
@@ -30,8 +30,9 @@ int integer_turn(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     return Integer(difference(b, x) * difference(c, y) - difference(b, y) * difference(c, x)).sign();
 }
 
-/// Adds up the cross products of successive corners, and their magnitudes, in a unit in which they neither overflow nor
-/// underflow.
+/// Adds up the cross products of successive corners, relative to the first, in `normal`, and their absolute values, by
+/// component, in `magnitude`. Scales coordinates so that nothing overflows or underflows; both sums have an arbitrary
+/// unit.
 void add_up_cross_products(std::span<const Vec3d> points, Vec3d& normal, Vec3d& magnitude) {
     double largest = 0;
     const auto half_difference = [&](std::size_t i) { return 0.5 * points[i] - 0.5 * points[0]; };
@@ -67,14 +68,14 @@ bool Triangulator::cut(std::span<const Vec3d> points, std::vector<std::int32_t>&
     if (!find_plane() || has_good_fan()) return true;
     if (crosses_itself()) return false;
     orient();
-    // An outline that nowhere touches itself covers no area twice. One that does may: for example with a hole that runs
-    // the wrong way round.
+    // If the outline does not touch itself, no two ears overlap. If it does, they may: for example, if a hole runs in the
+    // same direction as the outline.
     if (clip_ears(ears) && !(touches_ && overlap_themselves(ears))) return true;
     ears.clear();
     return false;
 }
 
-/// Returns the sign of the turn a, b, c, projected along the axis: 1 if counter-clockwise.
+/// Returns the sign of the turn at b from a to c, in projection along `axis_`: 1 if counter-clockwise, 0 if collinear.
 int Triangulator::plane_turn(int a, int b, int c) const {
     const auto point = [&](int i) -> const Vec3d& { return points_[static_cast<std::size_t>(i)]; };
     const int sign = orient2d_filtered(point(a), point(b), point(c), axis_);
@@ -86,7 +87,7 @@ int Triangulator::plane_turn(int a, int b, int c) const {
 /// Returns the sign of the turn relative to the direction of the polygon: 1 at a convex corner.
 int Triangulator::turn(int a, int b, int c) const { return sign_ * plane_turn(a, b, c); }
 
-/// True if a lies further left than b, or below it at the same x.
+/// True if corner a is before corner b in projection: it has a smaller x, or equal x and smaller y.
 bool Triangulator::before(int a, int b) const {
     const Vec3d &p = points_[static_cast<std::size_t>(a)], &q = points_[static_cast<std::size_t>(b)];
     const int x = first_axis(axis_), y = second_axis(axis_);
@@ -95,16 +96,17 @@ bool Triangulator::before(int a, int b) const {
 
 bool Triangulator::same_place(int a, int b) const { return !before(a, b) && !before(b, a); }
 
-/// Chooses the axis. Returns false if the polygon is a segment or a point: any triangulation is right then.
+/// Chooses the axis of projection. Returns false if the polygon is only a segment or a point: any triangulation is right
+/// then.
 bool Triangulator::find_plane() {
     Vec3d normal, magnitude;
     add_up_cross_products(points_, normal, magnitude);
     exact_ = std::all_of(points_.begin(), points_.end(), [](const Vec3d& p) { return in_expansion_range(p); });
     sign_ = 1;
-    // Where the normal vanishes, as for a bow tie, the sum of the magnitudes determines the axis.
+    // If the normal is zero, as for a symmetric bow tie, the sum of the magnitudes determines the axis.
     axis_ = largest_component(normal == Vec3d{} ? magnitude : normal);
     if (magnitude != Vec3d{}) return true;
-    // If the first corner is very far away, rounding can make the others one point: try all axes exactly.
+    // If the first corner is very far from the others, rounding can make the others equal: test all axes exactly.
     for (axis_ = 2; axis_ >= 0; --axis_) {
         for (int i = 1; i + 1 < count_; ++i)
             if (plane_turn(0, i, i + 1) != 0) return true;
@@ -113,8 +115,9 @@ bool Triangulator::find_plane() {
     return false;
 }
 
-/// True if the polygon is convex and no triangle of its fan is degenerate. It is convex if all corners turn one way and
-/// the outline has only one leftmost place: a star turns one way as well, but has several.
+/// True if the polygon is convex and no triangle of its fan is degenerate. It is convex if all corners turn in one
+/// direction and x has only one local minimum along the outline. A pentagram also turns in one direction, but has two
+/// such minima.
 bool Triangulator::has_good_fan() const {
     int least = 1, greatest = -1, leftmost = 0;
     bool to_the_left = before(0, count_ - 1);
@@ -148,7 +151,8 @@ bool Triangulator::any_overlap(Hit hit) {
     return false;
 }
 
-/// True if two edges meet in a point that lies strictly within both. Sets `touches_`.
+/// True if two edges cross in a point that is an end of neither. Also sets `touches_`, which is complete only if the
+/// result is false.
 bool Triangulator::crosses_itself() {
     const auto end = [&](int edge) { return edge + 1 == count_ ? 0 : edge + 1; };
     const int x = first_axis(axis_), y = second_axis(axis_);
@@ -160,7 +164,7 @@ bool Triangulator::crosses_itself() {
     touches_ = false;
     return any_overlap([&](int e, int f) {
         const int a = e, b = end(e), c = f, d = end(f);
-        if (b == c || d == a) {  // successive edges touch only at their common corner, unless it is a spike
+        if (b == c || d == a) {  // successive edges touch only at their common corner, except at a spike
             const std::array<int, 3> corner = b == c ? std::array{a, b, d} : std::array{c, a, b};
             touches_ = touches_ || (plane_turn(corner[0], corner[1], corner[2]) == 0 &&
                                     turns_back(corner[0], corner[1], corner[2]));
@@ -177,7 +181,7 @@ bool Triangulator::turns_back(int a, int b, int c) const {
     return same_place(a, b) || same_place(b, c) || before(a, b) == before(c, b);
 }
 
-/// True if any two triangles have an area in common. They do not if an edge of one has the other on its outer side.
+/// True if any two triangles have an area in common. Two triangles have none if an edge of one separates them.
 bool Triangulator::overlap_themselves(std::span<const std::int32_t> triangles) {
     const auto corner = [&](int triangle, int k) {
         return triangles[3 * static_cast<std::size_t>(triangle) + static_cast<std::size_t>(k % 3)];
@@ -203,7 +207,7 @@ bool Triangulator::overlap_themselves(std::span<const std::int32_t> triangles) {
     return any_overlap([&](int t, int u) { return !beyond_an_edge(t, u) && !beyond_an_edge(u, t); });
 }
 
-/// Sets `sign_`: the polygon runs the way that it turns at its leftmost corner.
+/// Sets `sign_` to the orientation of the polygon, which is the sign of the turn at its leftmost corner.
 void Triangulator::orient() {
     int found = 0;
     for (int i = 0; i < count_; ++i) {
@@ -234,8 +238,8 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
         if (turn > 0) not_convex_.remove(i);
     };
 
-    // Corners to try: each once, and again when a corner beside it has been clipped. When all have been tried, those
-    // left are tried again, because what blocked them may be gone.
+    // Convex corners to test for being ears: each once, and again when a corner beside it has been clipped. After the
+    // last one, all remaining convex corners are tested again, because the corners that blocked them may be gone.
     std::vector<int> to_try;
     std::size_t next = 0;
     int left = count_, some_corner = 0;
@@ -267,7 +271,7 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
             next = 0;
             for (int i = 0, corner = some_corner; i < left; ++i, corner = at(after_, corner)) try_later(corner);
         } else {
-            // A remaining polygon without an ear has spikes, which are triangles without an area, or crosses itself.
+            // The remaining polygon has no ear: it has a spike, which is a triangle without an area, or crosses itself.
             const int spike = find_spike(some_corner);
             if (spike < 0) return false;
             clip(spike);
@@ -278,7 +282,8 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
     return true;
 }
 
-/// Returns a corner where the outline turns back on itself, else a straight one, else -1.
+/// Returns a corner at which the outline turns back on itself (a spike). If there is none, returns a corner at which the
+/// outline is straight, or -1.
 int Triangulator::find_spike(int start) const {
     int straight = -1, b = start;
     do {
@@ -293,21 +298,22 @@ int Triangulator::find_spike(int start) const {
     return straight;
 }
 
-/// True if the triangle of the convex corner b holds no other corner. Only corners that are not convex are tested: a
-/// convex one cannot be the first to enter the triangle.
+/// True if the triangle of the convex corner b and the two corners beside it holds no other corner. It suffices to test
+/// corners that are not convex: if any corner lies in the triangle, one that is not convex does.
 bool Triangulator::is_ear(int b) const {
     const int a = before_[static_cast<std::size_t>(b)], c = after_[static_cast<std::size_t>(b)];
     return !not_convex_.any_in({a, b, c}, sign_, [&](int r) {
         if (r == a || r == b || r == c) return false;
-        // Such a corner does not block: the corner after r shows whether the outline enters the triangle.
+        // A corner r at the place of a or c does not block the ear by itself: if the outline enters the triangle at r, the
+        // corner before or after r shows it.
         if (same_place(r, a) || same_place(r, c)) return false;
         if (same_place(r, b)) return opens_into(r, b);
         return turn(a, b, r) >= 0 && turn(b, c, r) >= 0 && turn(c, a, r) >= 0;
     });
 }
 
-/// True if a corner at the same place as b blocks the angle at b: one of its edges leads into that angle, or its edges
-/// run back along both edges of b, so that there is no area between them.
+/// True if `corner`, at the same place as b, blocks the angle at b: one of the two edges at `corner` leads into that
+/// angle, or they run back along both edges at b, so that no area is left between them.
 bool Triangulator::opens_into(int corner, int b) const {
     const auto i = static_cast<std::size_t>(b), k = static_cast<std::size_t>(corner);
     const int a = before_[i], c = after_[i], from = before_[k], to = after_[k];

@@ -1,9 +1,9 @@
 #pragma once
 
-// Triangulation of one polygon. A convex polygon is fanned from its first corner. A concave one is cut by ear clipping:
-// a corner whose triangle holds no other corner is cut off, until one triangle is left. Both project the polygon along
-// the axis in which its Newell normal is largest, which does not change the result for a plane polygon, and use exact
-// predicates only.
+// Triangulation of one polygon. A convex polygon becomes a fan of triangles around its first corner. A concave one is
+// triangulated by ear clipping: a corner whose triangle holds no other corner is cut off, until one triangle is left. All
+// tests are made on the projection of the polygon along the coordinate axis in which its Newell normal is largest, with
+// exact predicates. For a plane polygon the projection does not change the result.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,10 +17,10 @@ namespace crumple::io {
 
 class Triangulator {
    public:
-    /// Triangulates the polygon of these n corners, four or more. Fills the empty `ears` with 3 (n - 2) indices of
-    /// corners, or leaves it empty if the fan is right. Returns false if the polygon crosses or overlaps itself: the
-    /// caller then uses the fan. Points may repeat, for example where a slit joins a hole to the outline. O(n log n) as
-    /// a rule, O(n^2) at worst.
+    /// Triangulates the polygon of these n corners, four or more. `ears` must be empty. Fills it with 3 (n - 2) indices
+    /// of corners, or leaves it empty if the fan around the first corner is a valid triangulation. Returns false if the
+    /// polygon crosses or overlaps itself: the caller then uses the fan. Points may repeat, for example where a slit
+    /// joins a hole to the outline. Cost: usually O(n log n), at worst O(n^2).
     bool cut(std::span<const Vec3d> points, std::vector<std::int32_t>& ears);
 
    private:
@@ -48,14 +48,14 @@ class Triangulator {
 
     std::span<const Vec3d> points_;
     int count_ = 0;
-    int axis_ = 2;          ///< axis of projection
+    int axis_ = 2;          ///< coordinate axis of projection
     int sign_ = 1;          ///< 1 if the projected corners run counter-clockwise, else -1
-    bool exact_ = true;     ///< all coordinates are in the range of expansions
-    bool touches_ = false;  ///< the outline touches itself, other than where successive edges join
+    bool exact_ = true;     ///< floating-point expansions of all coordinates are exact
+    bool touches_ = false;  ///< the outline touches itself, except where successive edges join
     CornerTree not_convex_;
-    std::vector<int> before_, after_;  ///< per corner that is left: the corners beside it
+    std::vector<int> before_, after_;  ///< previous and next corner of each one that is not cut off
     std::vector<std::int8_t> turns_;   ///< per corner: 1 convex, 0 straight, -1 reflex; 2 once cut off
-    std::vector<Box> boxes_;           ///< boxes of edges, later of triangles; sorted from the left
+    std::vector<Box> boxes_;           ///< boxes of edges, later of triangles; sorted by left side
 };
 
 }  // namespace crumple::io

@@ -1,4 +1,4 @@
-// Conversion between units of length. Each is an integer multiple of a tenth of a micrometre.
+// Conversion between units of length. Each unit is an integer multiple of 0.1 micrometres.
 
 #include "io/meshes/unit.h"
 
@@ -32,8 +32,8 @@ constexpr Length lengths[] = {
 
 const Length& length_of(Unit unit) { return lengths[static_cast<std::size_t>(unit) - 1]; }
 
-/// Multiplication by a ratio of integers, rounded once: the remainders of the product and of the quotient, which fused
-/// multiply-add gives exactly, correct the rounded quotient.
+/// Multiplication by a ratio of integers with a single rounding: fused multiply-add gives the exact remainders of the
+/// product and of the quotient, and these correct the rounded quotient.
 class Scale {
    public:
     Scale(Unit from, Unit to) {

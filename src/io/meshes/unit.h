@@ -9,9 +9,10 @@
 
 namespace crumple::io {
 
-/// Returns the name of a unit in 3MF; "millimeter" for an unknown unit, because 3MF has no unknown unit.
+/// Returns the name of a unit in 3MF. For Unit::unknown returns "millimeter", the default of 3MF, which has no unknown
+/// unit.
 const char* name_in_3mf(Unit unit);
-/// Returns the unit with this name in 3MF, or nothing.
+/// Returns the unit with this name in 3MF, or nothing if 3MF has no such unit.
 std::optional<Unit> unit_in_3mf(std::string_view name);
 double metres_in(Unit unit);
 

@@ -1,5 +1,5 @@
-// Welding with a hash table of distinct vertices (open addressing). Distinct vertices move to the front in place: there
-// are never more of them than vertices visited.
+// Welding with a hash table of distinct vertices (open addressing). Distinct vertices move to the front of the array in
+// place: there are never more of them than vertices visited so far.
 
 #include "io/meshes/weld.h"
 
@@ -38,7 +38,7 @@ void weld(std::vector<Scalar>& xyz, TriangleMesh& mesh) {
     for (Edge& line : mesh.lines) {
         rename(line.a);
         rename(line.b);
-        if (line.a == line.b) mesh.points.push_back(line.a);  // the line has become a point
+        if (line.a == line.b) mesh.points.push_back(line.a);  // both ends were welded
     }
     std::erase_if(mesh.lines, [](const Edge& line) { return line.a == line.b; });
 }

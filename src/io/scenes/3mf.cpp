@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::string_view model_relationship = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
 constexpr std::size_t deepest = 64;  // levels of nested components
-/// References to objects that any file may have. More are allowed up to the number of bytes expanded: a few lines could
-/// refer to more bodies than memory holds.
+/// Number of references to objects that any file may have. A file may have more, up to its uncompressed size in bytes.
+/// Without a limit, nested components of a few lines could refer to more bodies than fit in memory.
 constexpr std::uint64_t always_named = std::uint64_t{1} << 16;
 
 class Assembler {
@@ -41,7 +41,7 @@ class Assembler {
         std::vector<std::int32_t> shapes;  ///< shape of each mesh; -1: not used yet
     };
 
-    /// Returns a part, and reads it on first use. Names that differ only in case are the same.
+    /// Returns a part of the package, which is read on first use. Names that differ only in case name the same part.
     Part& part(const std::string& name) {
         std::string key = in_lower_case(name);
         const auto known = parts_.find(key);
@@ -51,8 +51,8 @@ class Assembler {
         return parts_.emplace(std::move(key), std::move(read)).first->second;
     }
 
-    /// Adds the bodies of the object that a reference in the part `from` names. `name`: name of the innermost enclosing
-    /// object that has one.
+    /// Adds the bodies of the object that `reference`, which stands in the part `from`, refers to. `outer`: pose of the
+    /// object that encloses the reference. `name`: name of the innermost enclosing object that has a name.
     void place(const ModelReference& reference, const std::string& from, const Pose& outer, std::string_view name) {
         const auto fail = [&](const std::string& what) { throw xml_error(package_.place(from), reference.line, what); };
         const std::string& in = reference.part.empty() ? from : reference.part;

@@ -7,7 +7,7 @@
 
 namespace crumple::io {
 
-/// Reads the bodies that the build of a 3MF file places. Their names may repeat. Throws Error (format).
+/// Reads the bodies that the build of a 3MF file places. Several bodies may have the same name. Throws Error (format).
 WorldMesh read_3mf(const Source& source, const ReadOptions& options, Warnings& warnings);
 
 /// True if a file is 3MF by its content (a zip archive) or by its extension (lower case, with its dot).

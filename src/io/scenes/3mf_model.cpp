@@ -19,7 +19,8 @@ constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/
 constexpr std::string_view production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr std::string_view beams = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02|beamlattice";
 constexpr const char* path_attribute = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06|path";
-/// Extensions that a file may require: they are read, or do not change the positions of triangles.
+/// Extensions that a file may list as required: those that this reader implements, and those that do not change the
+/// positions of triangles.
 constexpr std::string_view supported_extensions[] = {
     core, production, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
     "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
@@ -50,7 +51,7 @@ class ModelReader : public XmlReader {
     Model take() { return std::move(model_); }
 
    private:
-    /// Element of the document that is open; `other`: one that is skipped.
+    /// Innermost open element of the document; `other`: an element that is skipped.
     enum class Within : std::uint8_t {
         document,
         model,
@@ -186,7 +187,7 @@ class ModelReader : public XmlReader {
         return result;
     }
 
-    /// Parses a transform. 3MF uses row vectors: the 12 numbers are those of Pose::rows, column by column.
+    /// Parses a transform. 3MF uses row vectors, so its 12 numbers list the matrix Pose::rows column by column.
     Pose pose(std::string_view text) const {
         std::array<double, 12> m{};
         for (double& value : m) {
@@ -236,7 +237,7 @@ class ModelReader : public XmlReader {
     std::vector<Scalar> xyz_;        ///< coordinates of the current mesh
     std::vector<std::int32_t> triangles_;
     std::vector<Within> within_;
-    std::unordered_map<std::string, std::string> namespaces_;  ///< declared at the root, by prefix
+    std::unordered_map<std::string, std::string> namespaces_;  ///< namespaces declared at the root, by prefix
 };
 
 template <class Scalar>

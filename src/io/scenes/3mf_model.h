@@ -22,7 +22,7 @@ struct ModelReference {
     Pose pose = {};
 };
 
-/// Object of a model: a mesh, or an assembly of other objects; neither if only an extension defines it.
+/// Object of a model: a mesh, or an assembly of other objects. It has neither if its geometry is that of an extension.
 struct ModelObject {
     std::int64_t line = 0;
     std::string name = {};

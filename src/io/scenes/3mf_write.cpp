@@ -1,6 +1,7 @@
-// Writer of 3MF: bodies are objects, and the build places them. A mesh that several bodies have is written once, and
+// Writer of 3MF: bodies are objects, and the build places them. A mesh that several bodies share is written once, and
 // each of these bodies is an object with this mesh as its only component, because only objects have names. Colours are
-// base materials of the core specification: the object has the free one, and colliding triangles name theirs.
+// base materials of the core specification: an object has the material of free triangles, and each coloured triangle
+// names its own material.
 
 #include <algorithm>
 #include <array>
@@ -85,7 +86,8 @@ std::string hexadecimal(const Material& material) {
     return alpha < 255 ? text : text.substr(0, 7);
 }
 
-/// Mesh to write: a shape with one colouring. `hit`: material of each triangle, or empty.
+/// Mesh to write: a shape with the colours of its triangles. `hit`: index of the material of each triangle; empty if all
+/// have material 0. `bodies`: number of bodies with this mesh. `object`: id of its object; 0 until it is written.
 struct WrittenMesh {
     const TriangleMesh* shape;
     std::span<const std::uint8_t> hit;
@@ -124,7 +126,7 @@ class ModelText {
         return last_id_;
     }
 
-    /// Adds an object that is another object under a name of its own, and returns its id.
+    /// Adds an object with this name whose only component is `object`, and returns its id.
     std::int64_t add_named(std::int64_t object, const std::string& name) {
         begin_object(name);
         out_ << ">\n   <components>\n    <component objectid=\"" << object << "\"/>\n   </components>\n  </object>\n";
@@ -159,8 +161,8 @@ class ModelText {
     std::int64_t last_id_ = 0;
 };
 
-/// Returns the meshes to write; `of_body` receives the mesh of each body. Bodies without hits share the mesh of their
-/// shape; any other body has its own mesh.
+/// Returns the meshes to write, and appends to `of_body` the index of each body's mesh. Bodies without colliding triangles
+/// share the mesh of their shape; any other body has its own mesh.
 std::vector<WrittenMesh> meshes_of(const WorldMesh& world, std::span<const std::uint8_t> hit,
                                    std::vector<std::size_t>& of_body) {
     std::vector<WrittenMesh> meshes;

@@ -1,7 +1,7 @@
-// Writer of binary glTF: one mesh over one position array, with free and colliding triangles as two primitives with a
-// material each. glTF stores float32 only. If that would cost a float64 mesh more than 4 of the 24 bits, because it
-// lies far from the origin compared with its size, positions are relative to the centre of its box, and the node
-// translates them back.
+// Writer of binary glTF. A mesh has one array of positions, and one primitive for the triangles of each material. glTF
+// stores positions as float32 only. If a float64 mesh lies so far from the origin, compared with its size, that it would
+// lose more than 4 of the 24 bits, its positions are stored relative to the centre of its box, and its node translates
+// them back.
 
 #include <tiny_gltf.h>
 
@@ -24,7 +24,8 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// Returns the origin of positions that preserves the precision of a float64 mesh, or zero.
+/// Returns the point to subtract from the positions of a float64 mesh before they are rounded to float32: the centre of
+/// its box if the mesh lies far from the origin compared with its size, else zero.
 Point origin_of(const std::vector<double>& xyz) {
     Point low, high, centre;
     low.fill(std::numeric_limits<double>::infinity());
@@ -112,7 +113,8 @@ int add_positions(tinygltf::Model& model, const std::vector<float>& positions) {
     return index;
 }
 
-/// Adds a mesh over positions that have been added before, and returns its index. `hit`: material of each triangle.
+/// Adds a mesh whose positions have been added before, and returns its index. `hit`: index of the material of each
+/// triangle.
 int add_mesh(tinygltf::Model& model, const std::vector<std::int32_t>& triangles, std::span<const std::uint8_t> hit,
              int position_accessor) {
     tinygltf::Mesh mesh;
@@ -140,7 +142,7 @@ int add_mesh(tinygltf::Model& model, const std::vector<std::int32_t>& triangles,
 /// of .glb.
 void reserve_bytes(tinygltf::Model& model, std::size_t bytes) {
     if (model.buffers.empty()) model.buffers.resize(1);
-    if (model.buffers[0].data.size() + bytes > UINT32_MAX - (1u << 24)) {  // the rest is for the description
+    if (model.buffers[0].data.size() + bytes > UINT32_MAX - (1u << 24)) {  // leaves 16 MiB for the JSON chunk
         throw Error(ErrorCode::invalid_argument, "the meshes are larger than the 4 GiB that .glb holds");
     }
 }
@@ -202,8 +204,8 @@ void write_glb(std::ostream& out, tinygltf::Model& model, Unit unit) {
 
 namespace {
 
-/// Indices, in the model, of a shape's position accessor and of its mesh without colliding triangles (`free`); -1: not
-/// added yet. Positions are relative to `origin`.
+/// Parts of a shape that have been added to the model: the index of its accessor of positions, and the index of its mesh
+/// without colliding triangles (`free`); -1: not added yet. Positions are relative to `origin`.
 struct WrittenShape {
     int positions = -1, free = -1;
     Point origin{};

@@ -15,7 +15,7 @@ namespace crumple::io {
 
 namespace {
 
-/// True for extensions that do not change the positions of triangles, or that are read.
+/// True for extensions that do not change the positions of triangles, and for those that this reader implements.
 bool is_harmless(const std::string& extension) {
     constexpr std::string_view exact[] = {"KHR_mesh_quantization", "KHR_xmp_json_ld", "KHR_animation_pointer"};
     constexpr std::string_view prefixes[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_",
@@ -56,7 +56,7 @@ class Reader {
         node.fail((name.empty() ? "" : in_quotes(name) + " ") + what);
     }
 
-    /// Returns the children of a node, or the roots of a scene.
+    /// Returns the indices of nodes that member `key` of `parent` lists: the children of a node, or the roots of a scene.
     std::vector<std::size_t> nodes_of(const GltfObject& parent, const char* key) const {
         std::vector<std::size_t> result;
         for (const std::int64_t index : parent.integers(key)) {
@@ -106,7 +106,8 @@ class Reader {
         }
     }
 
-    /// Returns the local transform of a node: its matrix, stored by columns, or translation after rotation after scale.
+    /// Returns the local transform of a node: its matrix, which glTF stores by columns, or the product translation *
+    /// rotation * scale.
     static Pose transform_of(const GltfObject& node) {
         const std::vector<double> matrix = node.numbers("matrix", 16);
         Pose pose;
@@ -127,8 +128,8 @@ class Reader {
         return pose;
     }
 
-    /// Sets `pose` to the rotation of a quaternion of any length: even one rounded to float32 turns by right angles
-    /// exactly.
+    /// Sets `pose` to the rotation of a quaternion of any length greater than 0. Divides by the squared length, so a
+    /// rotation by a right angle about a coordinate axis is exact even if the quaternion was rounded to float32.
     static void rotate(Pose& pose, const std::vector<double>& q, const GltfObject& node) {
         const double x = q[0], y = q[1], z = q[2], w = q[3];
         const double length2 = (x * x + y * y) + (z * z + w * w);

@@ -19,7 +19,7 @@ constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
 
 std::uint32_t word_at(const char* p) { return load<std::uint32_t>(p, std::endian::little); }
 
-/// Returns the bytes of a component; 0 for types that glTF does not have.
+/// Returns the size of a component of this type in bytes; 0 for types that glTF does not have.
 std::size_t bytes_of(std::int64_t component_type) {
     switch (component_type) {
         case gltf_int8:
@@ -186,7 +186,8 @@ GltfElements GltfFile::elements_in_view(const GltfObject& from, std::int64_t cou
     return result;
 }
 
-/// Copies the elements, which are zeros if they have no buffer, and replaces those that a sparse accessor lists.
+/// Copies the elements of an accessor, or makes zeros if it has no buffer view, and replaces those that its member
+/// `sparse` lists. Points `elements` to the copy. `size`: bytes of an element.
 void GltfFile::replace_some(GltfElements& elements, const GltfObject& sparse, std::size_t size) {
     if (static_cast<std::uint64_t>(elements.count) > (most_expanded(bytes_read_) - replaced_bytes_) / size)
         sparse.fail("replaces elements that expand beyond measure: they are " + std::string(expansion_rule));

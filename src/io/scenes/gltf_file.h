@@ -21,7 +21,7 @@
 
 namespace crumple::io {
 
-/// Object of the description, with its place there.
+/// Object of the description, with its place in the description for messages.
 class GltfObject {
    public:
     GltfObject(const Source& source, const nlohmann::json& value, std::string place);
@@ -64,7 +64,7 @@ enum GltfComponent : std::int64_t {
     gltf_float32 = 5126
 };
 
-/// Elements of an accessor, one every `stride` bytes, all of them within their buffer.
+/// Elements of an accessor, one every `stride` bytes from `data` on. All lie within their buffer.
 struct GltfElements {
     const char* data = nullptr;
     std::size_t stride = 0;
@@ -82,18 +82,19 @@ struct GltfElements {
 
 class GltfFile {
    public:
-    /// `folder`: folder of the files that it names; none for a stream. Throws Error (format).
+    /// `folder`: folder in which other files that the glTF file refers to are found; none for a stream. Throws Error
+    /// (format).
     GltfFile(const Source& source, std::optional<std::filesystem::path> folder, Warnings& warnings);
 
     const GltfObject& root() const { return *root_; }
     const std::string& name() const { return source_.name(); }
-    /// Returns item `index` of the description's list `list`. The index was read from `from`.`key`, which is for
-    /// messages.
+    /// Returns item `index` of the description's list `list`. `from` and `key`: the object and its member that the index
+    /// was read from, for messages.
     GltfObject item(const char* list, std::int64_t index, const GltfObject& from, const char* key) const;
-    /// Returns the elements of an accessor, which must be of this type, "SCALAR" or "VEC3". Throws Error (format; file
-    /// if a file that it names cannot be read).
+    /// Returns the elements of an accessor. Throws Error (format) if they are not of this type, "SCALAR" or "VEC3", or
+    /// are not valid; Error (file) if the file with their bytes cannot be read.
     GltfElements elements(const GltfObject& accessor, std::string_view type);
-    /// Returns the size of the file and of the buffer files read so far.
+    /// Returns the total size, in bytes, of the glTF file and of the buffers in other files that have been read so far.
     std::size_t bytes_read() const { return bytes_read_; }
 
    private:
@@ -117,7 +118,7 @@ class GltfFile {
     nlohmann::json document_;
     std::optional<GltfObject> root_;
     std::vector<std::optional<Buffer>> buffers_;
-    std::deque<std::string> replaced_;  ///< elements of sparse accessors
+    std::deque<std::string> replaced_;  ///< copied elements of sparse accessors
     std::uint64_t replaced_bytes_ = 0;
     std::size_t bytes_read_;
 };

@@ -15,7 +15,7 @@ namespace {
 
 constexpr auto little = std::endian::little;
 
-/// Returns coordinate k of vertex i. A normalised integer is divided by the largest one of its type.
+/// Returns coordinate k of vertex i. Integers of a normalised accessor are divided by the largest value of their type.
 double coordinate_at(const GltfElements& e, std::int64_t i, std::size_t k) {
     const char* const p = e.at(i);
     const auto number = [&](auto type) {
@@ -37,8 +37,9 @@ double coordinate_at(const GltfElements& e, std::int64_t i, std::size_t k) {
     }
 }
 
-/// Renumbers corners so that vertices without triangles are left out, and returns the old index of each vertex. If
-/// there is at least one corner for every four vertices, nothing changes, and all `count` indices are returned.
+/// Renumbers corners so that vertices without triangles are left out, and returns the old index of each remaining vertex.
+/// If there is at least one corner for every four vertices, nothing is left out, to save time: all `count` indices are
+/// returned.
 std::vector<std::int64_t> used_vertices(std::vector<std::int64_t>& corners, std::int64_t count) {
     std::vector<std::int64_t> used;
     if (count / 4 <= static_cast<std::int64_t>(corners.size())) {
@@ -106,7 +107,8 @@ TriangleMesh GltfMeshes::read(const std::vector<Primitive>& primitives, const Gl
             all.push_back(&vertices);
         }
         add_corners(primitive, vertices, mesh, corners);
-        // Limit against bombs: in a real file, each byte is named a few times at most, by primitives that share data.
+        // Limit against small files that expand to huge meshes. In a real file, primitives that share data refer to each
+        // byte a few times at most.
         if ((corners_ + corners.size()) / 24 > file_.bytes_read())
             mesh.fail("names what has been named before so often that the file has more than 8 triangles a byte");
     }
@@ -163,10 +165,10 @@ void GltfMeshes::add_corners(const Primitive& primitive, const Vertices& vertice
         return;
     }
     for (std::int64_t i = 0; i + 2 < n; ++i) {
-        const bool turned = primitive.mode == strip && i % 2;  // every other triangle of a strip
+        const bool turned = primitive.mode == strip && i % 2;  // every second triangle of a strip is reversed
         const std::int64_t a = corner(primitive.mode == fan ? 0 : i), b = corner(i + (turned ? 2 : 1)),
                            c = corner(i + (turned ? 1 : 2));
-        // Strips turn and jump by triangles that name a vertex twice; these are left out.
+        // A strip that changes direction or jumps contains triangles that name a vertex twice; these are left out.
         if (a != b && b != c && c != a) corners.insert(corners.end(), {a, b, c});
     }
 }

@@ -18,11 +18,12 @@ class GltfMeshes {
    public:
     GltfMeshes(GltfFile& file, const ReadOptions& options) : file_(file), options_(options) {}
 
-    /// Returns the shape of a mesh that `node` names, and reads it on first use. Throws Error (format, file).
+    /// Returns the index of the shape of mesh `mesh`, which is read on first use. `node`: the node that refers to the
+    /// mesh, for messages. Throws Error (format, file).
     std::int32_t shape_of(std::int64_t mesh, const GltfObject& node);
     std::vector<TriangleMesh> release_shapes() { return std::move(shapes_); }
 
-    // Objects of one kind that are not supported: the place of the first, and their number.
+    // Unsupported objects of one kind, which are left out: the place of the first one in the description, and their number.
     struct Left {
         std::string first;
         std::int64_t count = 0;
@@ -40,7 +41,7 @@ class GltfMeshes {
     };
     struct Vertices {
         GltfElements elements;
-        std::int64_t first = 0;  ///< index of the first one among all vertices of the mesh
+        std::int64_t first = 0;  ///< index of the accessor's first vertex among those of the mesh
         std::string place;       ///< place of the accessor in the description, for errors
     };
 

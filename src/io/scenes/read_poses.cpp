@@ -15,12 +15,14 @@ namespace {
 
 constexpr std::size_t row_numbers = 12, square_numbers = 16;
 
-/// Collector of poses, row by row: one row for each body in turn, configuration by configuration.
+/// Collector of poses, one row of numbers per pose. Rows are in the order of the bodies; each set of rows for all bodies
+/// is a configuration.
 class Poses {
    public:
     Poses(const Source& source, std::span<const std::string> bodies) : source_(source), bodies_(bodies) {}
 
-    /// Adds a pose of 12 numbers, or of 16 that end with 0 0 0 1. `line`: their place in a text, else null.
+    /// Adds a pose of 12 numbers, or of 16 that end with 0 0 0 1. `line`: place of the numbers in a text file, for
+    /// messages; null for other files.
     void add(std::span<const double> numbers, const char* line) {
         if (numbers.size() != row_numbers && numbers.size() != square_numbers)
             fail(line, "a pose has 12 numbers (or 16), not " + std::to_string(numbers.size()));
