@@ -27,8 +27,6 @@
 namespace cuda_on_cpu {
 namespace {
 
-thread_local Block* current_block = nullptr;
-
 constexpr std::size_t page = 4096;
 constexpr std::size_t arena_bytes = (limits::shared_bytes_per_block_optin + page - 1) / page * page;
 constexpr std::size_t shared_alignment = 16;
@@ -78,6 +76,8 @@ struct Block::Warp {
     std::uint32_t exited = 0;  // lanes that have exited or do not exist
 };
 
+constinit thread_local Block* Block::last_ = nullptr;
+
 Block::Block() : random_(settings().seed) {
     void* pages = mmap(nullptr, arena_bytes + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (pages == MAP_FAILED) fail("no memory for a block");
@@ -106,13 +106,6 @@ Block::~Block() {
     munmap(arena_, arena_bytes + page);
 }
 
-Block* Block::running() { return current_block && current_block->inside_ ? current_block : nullptr; }
-
-Block& Block::current() {
-    if (!running()) fail("device code runs on the host, outside of a launch");
-    return *current_block;
-}
-
 uint3 Block::thread() const { return lanes_[rank_]->thread.index; }
 unsigned Block::next_use() { return lanes_[rank_]->thread.uses++; }
 
@@ -124,7 +117,8 @@ void Block::run(const Kernel& kernel, LaunchEdges& edges, uint3 index) {
     gridDim = kernel.grid;
     size_ = kernel.block.x * kernel.block.y * kernel.block.z;
     shared_bytes_ = kernel.shared_bytes;
-    current_block = this;
+    order_ = settings().order;
+    last_ = this;
     prepare_shared();
     prepare_lanes(kernel);
     caller_->switch_to(next(false));  // and back when no thread can run
@@ -151,8 +145,8 @@ void Block::prepare_lanes(const Kernel& kernel) {
                         rank / (kernel.block.x * kernel.block.y)};
         thread.alive = true;
         contributions_[rank] = nullptr;
-        wake(rank);
     }
+    wake_all();
     for (unsigned w = 0; w * warp_size < size_; ++w) {
         // Lanes beyond the end of the block count as exited.
         const unsigned present = std::min(size_ - w * warp_size, warp_size);
@@ -199,6 +193,12 @@ void Block::check_shared() const {
             fail("block (%u,%u,%u) wrote %zu bytes before its shared memory", index_.x, index_.y, index_.z, i);
 }
 
+void Block::wake_all() {
+    unsigned warp = 0;
+    for (; warp < size_ / warp_size; ++warp) wake_in_warp(warp, ~0u);
+    if (size_ % warp_size) wake_in_warp(warp, (1u << size_ % warp_size) - 1);
+}
+
 /// Returns the first ready rank at or after `rank`, wrapping around. Requires that a thread is ready.
 unsigned Block::next_ready(unsigned rank) const {
     const unsigned words = (size_ + 63) / 64;
@@ -226,7 +226,7 @@ unsigned Block::pick() {
         if (spins_ % 256 == 0 && now() - spin_began_ > settings().spin_seconds) stuck();
     }
     unsigned rank = 0;
-    switch (settings().order) {
+    switch (order_) {
         case Order::forward:
             for (unsigned w = 0;; ++w)
                 if (ready_[w]) {
@@ -329,7 +329,7 @@ void Block::meet(const Site& site, bool fence, void* contribution, Combine combi
         meeting.count = 0;
         ++meeting.phase;
         spins_ = 0;
-        for (unsigned rank = 0; rank < size_; ++rank) wake(rank);
+        wake_all();
     }
     pass_on(false);
     me.waits_in = nullptr;
@@ -388,8 +388,7 @@ void Block::meet_in_warp(const Site& site, std::uint32_t mask, bool fence, void*
         warp.open &= ~(1u << (&meeting - warp.meetings));
         ++meeting.phase;
         spins_ = 0;
-        for (std::uint32_t left = mask; left; left &= left - 1)
-            wake(first + static_cast<unsigned>(std::countr_zero(left)));
+        wake_in_warp(rank_ / warp_size, mask);
     }
     pass_on(false);
     me.waits_in = nullptr;

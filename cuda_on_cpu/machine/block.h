@@ -18,6 +18,8 @@
 
 #include "cuda_on_cpu/machine/kernel.h"
 #include "cuda_on_cpu/machine/random.h"
+#include "cuda_on_cpu/machine/report.h"
+#include "cuda_on_cpu/machine/settings.h"
 
 namespace cuda_on_cpu {
 
@@ -48,9 +50,12 @@ class Block {
     void run(const Kernel& kernel, LaunchEdges& edges, uint3 index);
 
     /// Returns the block whose thread runs on this OS thread; null on the host.
-    static Block* running();
+    static Block* running() { return last_ && last_->inside_ ? last_ : nullptr; }
     /// Returns the block whose thread runs on this OS thread. An error on the host.
-    static Block& current();
+    static Block& current() {
+        if (!running()) fail("device code runs on the host, outside of a launch");
+        return *last_;
+    }
 
     /// Waits for all threads of the block. With `fence` the meeting is a barrier that orders memory.
     void meet(const Site& site, bool fence, void* contribution, Combine combine, void* context);
@@ -90,7 +95,10 @@ class Block {
     void check_shared() const;
     unsigned pick();
     unsigned next_ready(unsigned rank) const;
-    void wake(unsigned rank) { ready_[rank / 64] |= std::uint64_t{1} << rank % 64; }
+    void wake_all();
+    void wake_in_warp(unsigned warp, std::uint32_t lanes) {
+        ready_[warp / 2] |= std::uint64_t{lanes} << warp % 2 * warp_size;
+    }
     Fiber& next(bool ended);
     void pass_on(bool ended);
     void leave();
@@ -98,11 +106,14 @@ class Block {
     Meeting& join(Warp& warp, const Site& site, std::uint32_t mask) const;
     [[noreturn]] void stuck() const;
 
+    static constinit thread_local Block* last_;  ///< the block that ran last on this OS thread
+
     const Kernel* kernel_ = nullptr;
     LaunchEdges* edges_ = nullptr;
     uint3 index_{};
     unsigned size_ = 0, alive_ = 0, rank_ = 0;
     bool inside_ = false;
+    Order order_ = Order::forward;
 
     Fiber* caller_ = nullptr;  ///< fiber that called run()
     Lane** fibers_ = nullptr;  ///< `fiber_count_` fibers, made so far
