@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds fuzz targets and runs them, all at once, on seeds and on inputs that earlier runs have found (docs/fuzzing.md).
 #   scripts/fuzz.sh readers|search|features|worlds|overlaps... [options of libFuzzer, such as -max_total_time=60 or -runs=1000000]
-# All output is in build-fuzz: NAME.log, corpus/NAME, artefacts/NAME. Prints inputs that fail, also as base64.
+# The build is that of the tests under AddressSanitizer, in build-address. The output of the targets is in build-fuzz: NAME.log,
+# corpus/NAME, artefacts/NAME. Prints inputs that fail, also as base64.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 names=()
@@ -11,10 +12,11 @@ if ((${#names[@]} == 0)); then
     exit 2
 fi
 
-scripts/install_dependencies.sh --fuzz
+scripts/install_dependencies.sh --tests --fuzz
 . scripts/ccache.sh
-cmake --preset fuzz -DCRUMPLE_WERROR=ON >/dev/null
-cmake --build --preset fuzz -j "$(nproc)" --target "${names[@]/#/fuzz_}" >build-fuzz/build.log || {
+cmake --preset address >/dev/null
+mkdir -p build-fuzz
+cmake --build --preset address -j "$(nproc)" --target "${names[@]/#/fuzz_}" >build-fuzz/build.log || {
     grep -v '^\[' build-fuzz/build.log
     exit 1
 }
@@ -40,7 +42,7 @@ run() {
     mkdir -p "build-fuzz/corpus/$name" "$artefacts"
     started=build-fuzz/$name.started
     touch "$started"
-    if "build-fuzz/tests/fuzz/fuzz_$name" "${options[@]}" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=256 \
+    if "build-address/tests/fuzz/fuzz_$name" "${options[@]}" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=256 \
         -handle_segv=0 -handle_bus=0 -handle_fpe=0 -print_final_stats=1 -artifact_prefix="$artefacts/" "$@" \
         "build-fuzz/corpus/$name" "build-fuzz/seeds/$name" >"$log" 2>&1; then
         echo "$name: $(grep -E '^#[0-9]+\s+DONE' "$log")"

@@ -1,15 +1,17 @@
 #!/usr/bin/env bash
 # Runs tests that together take an hour or more, which .ci/run leaves out: the usual tests with more random cases, the
-# kernels' PTX for each generation of devices, clang-tidy's path analyzer, and four fuzz targets. Prints a table of figures
+# kernels' PTX for each generation of devices, clang-tidy's path analyzer, and the fuzz targets. Prints a table of figures
 # for docs/fuzzing.md.
-#   scripts/test_long.sh [READS [SEARCHES [WORLDS [OVERLAPS]]]]
-# The arguments are the numbers of inputs of the fuzz targets: by default 10 million for READS, 1 million for each other one.
+#   scripts/test_long.sh [READS [SEARCHES [WORLDS [OVERLAPS [FEATURES]]]]]
+# The arguments are the numbers of inputs of the fuzz targets: by default 10 million for READS, 10,000 for FEATURES, which are
+# slow, and 1 million for each other one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 reads=${1:-10000000}
 searches=${2:-1000000}
 worlds=${3:-1000000}
 overlaps=${4:-1000000}
+features=${5:-10000}
 
 row() {
     local log=build-fuzz/$1.log
@@ -62,8 +64,10 @@ scripts/fuzz.sh readers -runs="$reads"
 scripts/fuzz.sh search -runs="$searches"
 scripts/fuzz.sh worlds -runs="$worlds"
 scripts/fuzz.sh overlaps -runs="$overlaps"
+scripts/fuzz.sh features -runs="$features"
 printf '\n| target | executions | seconds | edges | corpus: inputs/bytes | memory |\n|---|---|---|---|---|---|\n'
 row readers
 row search
 row worlds
 row overlaps
+row features
