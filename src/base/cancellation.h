@@ -16,6 +16,10 @@ namespace crumple {
 /// at most, from any thread.
 class Cancellation {
    public:
+    /// Shortest time between two polls, for all detectors. Tests set 0, so that each check() on the caller's thread
+    /// polls, and count the polls. Must not change during a call.
+    static inline std::chrono::milliseconds poll_interval{20};
+
     void set_poll(std::function<void()> poll) { poll_ = std::move(poll); }
 
     /// Begins a call on this thread, the caller's. A stop request of `stop` cancels the call.
@@ -26,9 +30,9 @@ class Cancellation {
     }
 
     /// Throws Error (cancelled) after a stop was requested. On the caller's thread, first calls the poll function (if
-    /// one is set, and at most every 20 ms), and lets its exceptions through.
+    /// one is set, and at most every `poll_interval`), and lets its exceptions through.
     void check() {
-        if (poll_ && std::this_thread::get_id() == caller_ && Clock::now() - polled_ >= interval) {
+        if (poll_ && std::this_thread::get_id() == caller_ && Clock::now() - polled_ >= poll_interval) {
             poll_();
             polled_ = Clock::now();
         }
@@ -37,7 +41,6 @@ class Cancellation {
 
    private:
     using Clock = std::chrono::steady_clock;
-    static constexpr std::chrono::milliseconds interval{20};
 
     std::stop_token stop_;
     std::function<void()> poll_;
