@@ -81,9 +81,11 @@ struct DetectorState {
             case Backend::cuda:
                 if (!options.devices.empty()) return make_devices_backend(options, meter, cancellation);
                 return make_cuda_backend(options, meter, cancellation);
-            default:
-                return make_cpu_backend(options, meter, cancellation);
+            case Backend::automatic:
+            case Backend::cpu:
+                break;
         }
+        return make_cpu_backend(options, meter, cancellation);
     }
 
     void forget() {

@@ -131,8 +131,8 @@ void check_has_colours(MeshFormat format);
 /// Throws Error unless the arrays have the right sizes, indices are in range and coordinates finite.
 void validate(const TriangleMesh& mesh);
 
-/// Calls f with a zero of the scalar type that the mesh is to have: float or double, the type of the file unless another
-/// is requested. f must return a mesh with this scalar type.
+/// Calls f with a zero of the scalar type that the mesh is to have: float or double, the type of the file unless
+/// another is requested. f must return a mesh with this scalar type.
 template <class F>
 TriangleMesh in_precision(Precision asked, ScalarType of_file, F&& f) {
     const bool single = asked == Precision::automatic ? of_file == ScalarType::float32 : asked == Precision::float32;

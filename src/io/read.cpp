@@ -54,13 +54,14 @@ TriangleMesh read(const Source& source, Format format, const ReadOptions& option
             return read_obj(source, options, warnings);
         case Format::stl:
             return read_stl(source, options, warnings);
-        default:
-            return read_off(source, options, warnings);
+        case Format::off:
+            break;
     }
+    return read_off(source, options, warnings);
 }
 
-/// True if the text begins with the byte order mark of UTF-16, or if exactly every second one of the first four bytes is
-/// zero, as in ASCII text stored as UTF-16.
+/// True if the text begins with the byte order mark of UTF-16, or if exactly every second one of the first four bytes
+/// is zero, as in ASCII text stored as UTF-16.
 bool is_utf16(std::string_view text) {
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return true;
     const auto is_zero = [&](std::size_t i) { return text[i] == 0; };
@@ -79,7 +80,8 @@ void check_content(const Source& source) {
 
 bool names_mesh(const std::string& entry) {
     const std::string extension = extension_of(without_gzip_name(entry).string());
-    if (entry.starts_with("__MACOSX/")) return false;  // macOS stores metadata of files there, under the files' own names
+    if (entry.starts_with("__MACOSX/"))
+        return false;  // macOS stores metadata of files there, under the files' own names
     return extension == ".glb" || extension == ".gltf" || holds_meshes(mesh_format_of(extension));
 }
 

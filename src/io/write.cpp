@@ -93,9 +93,11 @@ Writer writer_of(MeshFormat format) {
             return write_glb;
         case MeshFormat::threemf:
             return write_3mf;
-        default:
-            return nullptr;
+        case MeshFormat::automatic:
+        case MeshFormat::html:
+            break;
     }
+    return nullptr;
 }
 
 }  // namespace

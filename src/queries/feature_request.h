@@ -80,9 +80,10 @@ inline std::int64_t count_of(const SceneFeatures& features, FeatureType type) {
             return features.points();
         case FeatureType::edge:
             return static_cast<std::int64_t>(features.edges().size());
-        default:
-            return features.faces();
+        case FeatureType::face:
+            break;
     }
+    return features.faces();
 }
 
 /// Pair of features: indices of the scene's points, edges, triangles.

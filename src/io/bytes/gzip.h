@@ -33,7 +33,8 @@ class GzipBuffer : public std::streambuf {
     GzipBuffer& operator=(const GzipBuffer&) = delete;
     ~GzipBuffer() override;
 
-    /// Ends the gzip data: compresses what is buffered and writes the trailer. Returns false if not all could be written.
+    /// Ends the gzip data: compresses what is buffered and writes the trailer. Returns false if not all could be
+    /// written.
     bool finish();
 
    private:

@@ -36,8 +36,8 @@ struct MeshSlice {
 };
 
 /// Reads the block of one of several readers. All blocks together are what read_mesh reads, except that vertices are
-/// not welded (MeshSlice::weld). Handles binary PLY of triangles and binary STL. Returns nothing for any other file, and
-/// for any irregularity in the header or in this block, such as a polygon; use read_mesh then. Only the reader of a
+/// not welded (MeshSlice::weld). Handles binary PLY of triangles and binary STL. Returns nothing for any other file,
+/// and for any irregularity in the header or in this block, such as a polygon; use read_mesh then. Only the reader of a
 /// block finds the irregularities in it.
 ///
 /// Throws Error (file, format) as read_mesh does, for errors in this block. Reads rows in pieces of some 4 MiB.

@@ -133,7 +133,8 @@ class Scanner {
         return value;
     }
 
-    /// Throws Error unless the position is at the end of a word: that is, unless the whole word has been read as `what`.
+    /// Throws Error unless the position is at the end of a word: that is, unless the whole word has been read as
+    /// `what`.
     void end_word(const char* what = "an integer") const {
         if (p_ != end_of_word()) fail("in " + std::string(what) + ": " + in_quotes(rest_of_word()) + " is left over");
     }

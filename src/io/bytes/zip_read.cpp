@@ -76,8 +76,8 @@ struct ZipReader::Entry {
 
     bool is_locked() const { return flags & 1; }
 
-    /// Reads size, compressed size and header offset from the ZIP64 extra field where they are all ones. The extra field
-    /// holds only the values that are needed, in this order. Returns false if it is too short.
+    /// Reads size, compressed size and header offset from the ZIP64 extra field where they are all ones. The extra
+    /// field holds only the values that are needed, in this order. Returns false if it is too short.
     bool resolve(std::string_view extra) {
         while (extra.size() >= 4) {
             const auto kind = number<std::uint16_t>(extra, 0), length = number<std::uint16_t>(extra, 2);

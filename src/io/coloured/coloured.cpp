@@ -84,8 +84,8 @@ void check_hits(const TriangleMesh& mesh, const Array<std::uint8_t>& hit) {
     }
 }
 
-/// Throws Error (file) if a material file (.mtl) exists at this path and was not written by Crumple: an input of the user
-/// may need it.
+/// Throws Error (file) if a material file (.mtl) exists at this path and was not written by Crumple: an input of the
+/// user may need it.
 void check_materials(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     std::string first_line;

@@ -1,9 +1,9 @@
 // Writes worlds with the surface of their overlaps in a strong colour, and everything else translucent.
 //
 // The surface is computed for the picture alone. A row of the overlaps names two bodies that overlap, or one body that
-// overlaps itself. A search for intersections returns the segments in which the bodies of a row cross. Triangles are cut
-// along these segments, and a piece is part of the surface if its middle lies inside the other body of a row. So the
-// triangles of the picture have other indices than those of the bodies.
+// overlaps itself. A search for intersections returns the segments in which the bodies of a row cross. Triangles are
+// cut along these segments, and a piece is part of the surface if its middle lies inside the other body of a row. So
+// the triangles of the picture have other indices than those of the bodies.
 
 #include <algorithm>
 #include <map>
@@ -170,8 +170,8 @@ bool is_in_overlap(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b
                                    [&](const CommonPolygon& area) { return is_within(area, middle); });
 }
 
-/// Cuts a body's triangles into pieces, and triangulates each piece as a fan. Appends to `hit`, for each new triangle, 1
-/// if it belongs to the surface of an overlap, else 0.
+/// Cuts a body's triangles into pieces, and triangulates each piece as a fan. Appends to `hit`, for each new triangle,
+/// 1 if it belongs to the surface of an overlap, else 0.
 TriangleMesh cut(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b, std::vector<std::uint8_t>& hit) {
     const CutBody& body = bodies.at(b);
     std::vector<Vec3d> points = body.points;

@@ -17,7 +17,8 @@ class CutLine {
           across_(cross(normal, along_)),
           tolerance_(tolerance * std::sqrt(dot(across_, across_) * std::sqrt(dot(normal, normal)))) {}
 
-    /// Returns the signed distance from the line, times a positive number: positive on the left, 0 within the tolerance.
+    /// Returns the signed distance from the line, times a positive number: positive on the left, 0 within the
+    /// tolerance.
     double side_of(const Vec3d& p) const {
         const double side = dot(across_, p - begin_);
         return std::abs(side) <= tolerance_ ? 0 : side;

@@ -1,6 +1,6 @@
 // Writes a page that shows the meshes in WebGL (viewer.html), with colliding triangles and contacts coloured. The page
-// needs no package and no network. It stores the coordinates of three corners per triangle, without vertex indices: each
-// triangle has its own colour, and WebGL 1 has no 32-bit indices without an extension.
+// needs no package and no network. It stores the coordinates of three corners per triangle, without vertex indices:
+// each triangle has its own colour, and WebGL 1 has no 32-bit indices without an extension.
 
 #include <algorithm>
 #include <array>
@@ -140,7 +140,8 @@ class Normalised {
     double extent_ = 1, radius_ = 1;
 };
 
-/// Writes `before`, then the JSON member `"name": "..."` of the page's data; its value is what `write` encodes as base64.
+/// Writes `before`, then the JSON member `"name": "..."` of the page's data; its value is what `write` encodes as
+/// base64.
 template <class Write>
 void member(Sink& sink, const char* before, const char* name, Write write) {
     sink << before << '"' << name << "\": \"";

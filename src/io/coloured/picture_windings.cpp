@@ -14,9 +14,9 @@ Vec3d projected(const Vec3d& p) {
 
 bool is_before(const Vec3d& a, const Vec3d& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
-/// True if a point lies to the left of the edge from a to b, in projection. A point is to the left of exactly one of the
-/// edges a-b and b-a, even if it lies on the line. So a ray through an edge crosses exactly one of two triangles that
-/// share the edge and lie on opposite sides of it.
+/// True if a point lies to the left of the edge from a to b, in projection. A point is to the left of exactly one of
+/// the edges a-b and b-a, even if it lies on the line. So a ray through an edge crosses exactly one of two triangles
+/// that share the edge and lie on opposite sides of it.
 bool is_left(const Vec3d& a, const Vec3d& b, const Vec3d& p) {
     if (is_before(b, a)) return !is_left(b, a, p);
     return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) > 0;

@@ -20,8 +20,8 @@ class PictureWindings {
 
     static constexpr Vec3d direction{0.3712, 0.2153, 0.9033};
 
-    /// Returns the winding number at a point that does not lie on the surface, except perhaps on the triangle `ignored`,
-    /// which is left out. Cost: linear in the number of triangles of one grid cell.
+    /// Returns the winding number at a point that does not lie on the surface, except perhaps on the triangle
+    /// `ignored`, which is left out. Cost: linear in the number of triangles of one grid cell.
     int at(const Vec3d& point, std::int32_t ignored = -1) const;
 
    private:

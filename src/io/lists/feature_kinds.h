@@ -1,7 +1,7 @@
 #pragma once
 
-// Kinds of feature pairs (a feature is a vertex, an edge or a face) and their names in files. CandidateKind includes all
-// kinds of impacts and near pairs, in the same order.
+// Kinds of feature pairs (a feature is a vertex, an edge or a face) and their names in files. CandidateKind includes
+// all kinds of impacts and near pairs, in the same order.
 
 #include <array>
 #include <cstddef>
@@ -28,8 +28,8 @@ constexpr CandidateKind kind_of(FeatureKind kind) {
     return kinds[static_cast<std::size_t>(kind)];
 }
 
-/// Type of a feature. In rows of .txt and .csv an edge has two ids, those of its vertices. In arrays of .json and .npz it
-/// has one, its index.
+/// Type of a feature. In rows of .txt and .csv an edge has two ids, those of its vertices. In arrays of .json and .npz
+/// it has one, its index.
 enum class Feature : std::uint8_t { vertex, edge, face };
 
 /// Names and columns of one kind.

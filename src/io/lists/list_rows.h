@@ -67,7 +67,8 @@ class RowWriter {
     std::vector<const ListValue*> cells_;  ///< values of a row; null: an empty cell
 };
 
-/// Returns the text of a .csv cell. Puts it in quotes if it has a comma, a quote or a line end, or a blank at either end.
+/// Returns the text of a .csv cell. Puts it in quotes if it has a comma, a quote or a line end, or a blank at either
+/// end.
 std::string csv_cell(std::string_view text);
 
 /// Callback that consumes a row that has been read. Returns a message that says what is wrong with the row, or an empty

@@ -62,8 +62,8 @@ struct OverlapList {
     bool has_numbers = true;
     std::vector<OverlapListRow> rows = {};
 
-    /// Adds the rows of `overlaps`, found in one search of several worlds that have `bodies` bodies each. World w becomes
-    /// configuration `first_configuration` + w.
+    /// Adds the rows of `overlaps`, found in one search of several worlds that have `bodies` bodies each. World w
+    /// becomes configuration `first_configuration` + w.
     void add(const Overlaps& overlaps, std::int32_t bodies, std::int32_t first_configuration);
 };
 
@@ -80,9 +80,9 @@ void write_overlaps(const std::filesystem::path& path, const OverlapList& list, 
 void write_overlaps(std::ostream& out, const OverlapList& list, const OverlapBodies& bodies,
                     const Statistics& statistics, PairFormat format);
 
-/// Reads a list written by write_overlaps. `names`: names of the bodies. `has_configurations`: true if the list must have
-/// configurations. Throws Error (file, format), which names the place in the file, for example if no body has a name of
-/// the list, or if only some of the quantities are present.
+/// Reads a list written by write_overlaps. `names`: names of the bodies. `has_configurations`: true if the list must
+/// have configurations. Throws Error (file, format), which names the place in the file, for example if no body has a
+/// name of the list, or if only some of the quantities are present.
 OverlapList read_overlaps(const std::filesystem::path& path, std::span<const std::string> names,
                           bool has_configurations);
 /// Reads a stream to its end. `name` is for messages, and its extension selects the format.

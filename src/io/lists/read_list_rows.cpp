@@ -131,8 +131,8 @@ class RowReader {
         fail(in_quotes(word) + " is none of " + names);
     }
 
-    /// Picks from all columns the words that belong to fields of the row's section, and consumes the row. Words in other
-    /// columns are errors.
+    /// Picks from all columns the words that belong to fields of the row's section, and consumes the row. Words in
+    /// other columns are errors.
     void parse_csv_row() {
         const std::size_t section = section_of(words_[0]), most = table_.columns.size();
         const std::size_t least = most - table_.may_lack;
@@ -181,10 +181,12 @@ class RowReader {
                 fail(in_quotes(word) + " is neither 0 nor 1");
             case FieldType::word:
                 return word;
-            default:
-                if (const auto id = id_of(word, field.type == FieldType::id_of_body)) return *id;
-                fail(in_quotes(word) + " names no " + std::string(field.noun));
+            case FieldType::id:
+            case FieldType::id_of_body:
+                break;
         }
+        if (const auto id = id_of(word, field.type == FieldType::id_of_body)) return *id;
+        fail(in_quotes(word) + " names no " + std::string(field.noun));
     }
 
     const Source& source_;

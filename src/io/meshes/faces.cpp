@@ -6,8 +6,8 @@
 
 namespace crumple::io {
 
-/// Starts the list of polygons. Called at the fourth corner of the first face that has more than three: all faces before
-/// it are triangles, which become the first polygons of the list.
+/// Starts the list of polygons. Called at the fourth corner of the first face that has more than three: all faces
+/// before it are triangles, which become the first polygons of the list.
 void Faces::begin_polygons() {
     has_polygons_ = true;
     const std::size_t faces = triangles_.size() / 3 - 2;

@@ -44,8 +44,8 @@ class Faces {
 
     std::size_t triangle_count() const { return triangles_.size() / 3; }
 
-    /// Returns the mesh of these faces and vertices; every corner must be the index of a vertex. `lines`: true if warnings
-    /// name lines of the file, false if they name bytes. Call once: it moves the faces out.
+    /// Returns the mesh of these faces and vertices; every corner must be the index of a vertex. `lines`: true if
+    /// warnings name lines of the file, false if they name bytes. Call once: it moves the faces out.
     template <class Scalar>
     TriangleMesh mesh(std::vector<Scalar>&& vertices, Triangulation triangulation, Warnings& warnings, bool lines) {
         const auto warn = [&](const Tally& faces, const std::string& what) {

@@ -1,7 +1,7 @@
-// Reader and writer of OBJ: one statement per line. The statements `v` and `f` define the mesh, `l` and `p` its lines and
-// points, which are read if requested. Other statements of the format are skipped, except those of free-form surfaces:
-// these are errors, because a part of the scene would be missing. Statements that exporters have added to the format
-// are skipped with a warning.
+// Reader and writer of OBJ: one statement per line. The statements `v` and `f` define the mesh, `l` and `p` its lines
+// and points, which are read if requested. Other statements of the format are skipped, except those of free-form
+// surfaces: these are errors, because a part of the scene would be missing. Statements that exporters have added to the
+// format are skipped with a warning.
 
 #include <algorithm>
 #include <cctype>
@@ -28,8 +28,8 @@ bool is_one_of(std::span<const std::string_view> words, std::string_view word) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// True if a statement could have this name in an extension of the format by an exporter. Any other word at the start of
-/// a line means that the file is damaged.
+/// True if a statement could have this name in an extension of the format by an exporter. Any other word at the start
+/// of a line means that the file is damaged.
 bool is_identifier(std::string_view word) {
     return !std::isdigit(static_cast<unsigned char>(word[0])) &&
            std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
@@ -137,8 +137,8 @@ class ObjReader {
         return static_cast<std::int32_t>(index);
     }
 
-    /// True if the text consists of at most two slashes, each followed by an integer or nothing. The range of the integers
-    /// is not checked.
+    /// True if the text consists of at most two slashes, each followed by an integer or nothing. The range of the
+    /// integers is not checked.
     static bool are_further_indices(std::string_view text) {
         for (int slashes = 0; slashes < 2 && text.starts_with('/'); ++slashes) {
             text.remove_prefix(1);

@@ -1,6 +1,6 @@
-// Reader and writer of OFF: counts, then one vertex per line, then faces. Prefixes in the header (ST, C, N) announce data
-// that follow the coordinates of a vertex on its line. The reader skips these data, and colours after the last corner of
-// a face on the same line.
+// Reader and writer of OFF: counts, then one vertex per line, then faces. Prefixes in the header (ST, C, N) announce
+// data that follow the coordinates of a vertex on its line. The reader skips these data, and colours after the last
+// corner of a face on the same line.
 
 #include <algorithm>
 
@@ -33,7 +33,8 @@ class OffReader {
             for (int axis = 0; axis < 3; ++axis) xyz.push_back(in_.real<Scalar>());
             in_.skip_line();
         }
-        faces_.reserve(std::min(faces, static_cast<std::int64_t>(in_.remaining()) / 8));  // "3 0 1 2" and a line end: 8 bytes
+        faces_.reserve(
+            std::min(faces, static_cast<std::int64_t>(in_.remaining()) / 8));  // "3 0 1 2" and a line end: 8 bytes
         for (std::int64_t f = 0; f < faces; ++f) {
             read_face(vertices);
             in_.skip_line();

@@ -198,9 +198,9 @@ class BodyReader {
         }
     }
 
-    /// Reads triangle strips: each corner makes a triangle with the two before it, and every other triangle is reversed;
-    /// -1 starts a new strip. A strip that changes direction or jumps contains triangles that name a vertex twice; these
-    /// are left out.
+    /// Reads triangle strips: each corner makes a triangle with the two before it, and every other triangle is
+    /// reversed; -1 starts a new strip. A strip that changes direction or jumps contains triangles that name a vertex
+    /// twice; these are left out.
     void read_strip() {
         std::int32_t before = -1, last = -1;
         bool turned = false;

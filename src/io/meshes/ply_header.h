@@ -37,9 +37,10 @@ decltype(auto) with_type(PlyType type, F&& f) {
             return f(std::uint64_t{});
         case PlyType::float32:
             return f(float{});
-        default:
-            return f(double{});
+        case PlyType::float64:
+            break;
     }
+    return f(double{});
 }
 
 struct PlyProperty {

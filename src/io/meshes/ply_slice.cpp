@@ -1,6 +1,6 @@
 // Reads slices of binary PLY files in which all rows of an element have one length: the only lists are the corners of
-// faces, three per face. Each reader checks this for the faces of its block. A face with another number of corners would
-// shift all rows behind it, so read_ply_slice() then returns nothing.
+// faces, three per face. Each reader checks this for the faces of its block. A face with another number of corners
+// would shift all rows behind it, so read_ply_slice() then returns nothing.
 
 #include "io/meshes/ply_slice.h"
 
@@ -49,8 +49,8 @@ struct Layout {
     Rows vertices, faces;
 };
 
-/// Returns where the rows of vertices and faces lie, or nothing if rows have no fixed length, or if their total length is
-/// not that of the file. Throws Error if the header names an element or a property twice.
+/// Returns where the rows of vertices and faces lie, or nothing if rows have no fixed length, or if their total length
+/// is not that of the file. Throws Error if the header names an element or a property twice.
 std::optional<Layout> layout_of(const RowFile& file, const Source& beginning, const PlyHeader& header,
                                 const std::string& group_property) {
     const PlyElement* const vertex = header.find(beginning, "vertex");
@@ -88,7 +88,8 @@ std::optional<Layout> layout_of(const RowFile& file, const Source& beginning, co
     return begin == file.size() ? std::optional(layout) : std::nullopt;
 }
 
-/// Calls f(row, byte offset of the row) for each row of a reader's block, until f returns false. Returns false if it did.
+/// Calls f(row, byte offset of the row) for each row of a reader's block, until f returns false. Returns false if it
+/// did.
 template <class F>
 bool for_each_row(RowFile& file, const Rows& rows, const Blocks& blocks, int reader, F f) {
     return file.for_each(rows.begin + blocks.begin(reader) * rows.row_bytes, rows.row_bytes, blocks.size(reader), f);

@@ -13,7 +13,8 @@ constexpr std::int8_t cut_off = 2;
 
 /// Returns the exact sign of the turn a, b, c (the orientation of the triangle, projected along axis `dropped`), for
 /// coordinates beyond the range of floating-point expansions. Computes with integers, in units of a power of two that
-/// divides all coordinates. Rationals would take a hundred times as long, because they are reduced after each operation.
+/// divides all coordinates. Rationals would take a hundred times as long, because they are reduced after each
+/// operation.
 int integer_turn(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
     using Integer = boost::multiprecision::cpp_int;
     const int x = first_axis(dropped), y = second_axis(dropped);
@@ -68,8 +69,8 @@ bool Triangulator::cut(std::span<const Vec3d> points, std::vector<std::int32_t>&
     if (!find_plane() || has_good_fan()) return true;
     if (crosses_itself()) return false;
     orient();
-    // If the outline does not touch itself, no two ears overlap. If it does, they may: for example, if a hole runs in the
-    // same direction as the outline.
+    // If the outline does not touch itself, no two ears overlap. If it does, they may: for example, if a hole runs in
+    // the same direction as the outline.
     if (clip_ears(ears) && !(touches_ && overlap_themselves(ears))) return true;
     ears.clear();
     return false;
@@ -96,8 +97,8 @@ bool Triangulator::before(int a, int b) const {
 
 bool Triangulator::same_place(int a, int b) const { return !before(a, b) && !before(b, a); }
 
-/// Chooses the axis of projection. Returns false if the polygon is only a segment or a point: any triangulation is right
-/// then.
+/// Chooses the axis of projection. Returns false if the polygon is only a segment or a point: any triangulation is
+/// right then.
 bool Triangulator::find_plane() {
     Vec3d normal, magnitude;
     add_up_cross_products(points_, normal, magnitude);
@@ -282,8 +283,8 @@ bool Triangulator::clip_ears(std::vector<std::int32_t>& ears) {
     return true;
 }
 
-/// Returns a corner at which the outline turns back on itself (a spike). If there is none, returns a corner at which the
-/// outline is straight, or -1.
+/// Returns a corner at which the outline turns back on itself (a spike). If there is none, returns a corner at which
+/// the outline is straight, or -1.
 int Triangulator::find_spike(int start) const {
     int straight = -1, b = start;
     do {
@@ -304,8 +305,8 @@ bool Triangulator::is_ear(int b) const {
     const int a = before_[static_cast<std::size_t>(b)], c = after_[static_cast<std::size_t>(b)];
     return !not_convex_.any_in({a, b, c}, sign_, [&](int r) {
         if (r == a || r == b || r == c) return false;
-        // A corner r at the place of a or c does not block the ear by itself: if the outline enters the triangle at r, the
-        // corner before or after r shows it.
+        // A corner r at the place of a or c does not block the ear by itself: if the outline enters the triangle at r,
+        // the corner before or after r shows it.
         if (same_place(r, a) || same_place(r, c)) return false;
         if (same_place(r, b)) return opens_into(r, b);
         return turn(a, b, r) >= 0 && turn(b, c, r) >= 0 && turn(c, a, r) >= 0;

@@ -1,9 +1,9 @@
 #pragma once
 
 // Triangulation of one polygon. A convex polygon becomes a fan of triangles around its first corner. A concave one is
-// triangulated by ear clipping: a corner whose triangle holds no other corner is cut off, until one triangle is left. All
-// tests are made on the projection of the polygon along the coordinate axis in which its Newell normal is largest, with
-// exact predicates. For a plane polygon the projection does not change the result.
+// triangulated by ear clipping: a corner whose triangle holds no other corner is cut off, until one triangle is left.
+// All tests are made on the projection of the polygon along the coordinate axis in which its Newell normal is largest,
+// with exact predicates. For a plane polygon the projection does not change the result.
 
 #include <cstddef>
 #include <cstdint>

@@ -86,8 +86,8 @@ std::string hexadecimal(const Material& material) {
     return alpha < 255 ? text : text.substr(0, 7);
 }
 
-/// Mesh to write: a shape with the colours of its triangles. `hit`: index of the material of each triangle; empty if all
-/// have material 0. `bodies`: number of bodies with this mesh. `object`: id of its object; 0 until it is written.
+/// Mesh to write: a shape with the colours of its triangles. `hit`: index of the material of each triangle; empty if
+/// all have material 0. `bodies`: number of bodies with this mesh. `object`: id of its object; 0 until it is written.
 struct WrittenMesh {
     const TriangleMesh* shape;
     std::span<const std::uint8_t> hit;
@@ -161,8 +161,8 @@ class ModelText {
     std::int64_t last_id_ = 0;
 };
 
-/// Returns the meshes to write, and appends to `of_body` the index of each body's mesh. Bodies without colliding triangles
-/// share the mesh of their shape; any other body has its own mesh.
+/// Returns the meshes to write, and appends to `of_body` the index of each body's mesh. Bodies without colliding
+/// triangles share the mesh of their shape; any other body has its own mesh.
 std::vector<WrittenMesh> meshes_of(const WorldMesh& world, std::span<const std::uint8_t> hit,
                                    std::vector<std::size_t>& of_body) {
     std::vector<WrittenMesh> meshes;

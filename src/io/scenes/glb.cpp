@@ -1,7 +1,7 @@
 // Writer of binary glTF. A mesh has one array of positions, and one primitive for the triangles of each material. glTF
-// stores positions as float32 only. If a float64 mesh lies so far from the origin, compared with its size, that it would
-// lose more than 4 of the 24 bits, its positions are stored relative to the centre of its box, and its node translates
-// them back.
+// stores positions as float32 only. If a float64 mesh lies so far from the origin, compared with its size, that it
+// would lose more than 4 of the 24 bits, its positions are stored relative to the centre of its box, and its node
+// translates them back.
 
 #include <tiny_gltf.h>
 
@@ -204,8 +204,8 @@ void write_glb(std::ostream& out, tinygltf::Model& model, Unit unit) {
 
 namespace {
 
-/// Parts of a shape that have been added to the model: the index of its accessor of positions, and the index of its mesh
-/// without colliding triangles (`free`); -1: not added yet. Positions are relative to `origin`.
+/// Parts of a shape that have been added to the model: the index of its accessor of positions, and the index of its
+/// mesh without colliding triangles (`free`); -1: not added yet. Positions are relative to `origin`.
 struct WrittenShape {
     int positions = -1, free = -1;
     Point origin{};

@@ -56,7 +56,8 @@ class Reader {
         node.fail((name.empty() ? "" : in_quotes(name) + " ") + what);
     }
 
-    /// Returns the indices of nodes that member `key` of `parent` lists: the children of a node, or the roots of a scene.
+    /// Returns the indices of nodes that member `key` of `parent` lists: the children of a node, or the roots of a
+    /// scene.
     std::vector<std::size_t> nodes_of(const GltfObject& parent, const char* key) const {
         std::vector<std::size_t> result;
         for (const std::int64_t index : parent.integers(key)) {

@@ -88,8 +88,8 @@ class GltfFile {
 
     const GltfObject& root() const { return *root_; }
     const std::string& name() const { return source_.name(); }
-    /// Returns item `index` of the description's list `list`. `from` and `key`: the object and its member that the index
-    /// was read from, for messages.
+    /// Returns item `index` of the description's list `list`. `from` and `key`: the object and its member that the
+    /// index was read from, for messages.
     GltfObject item(const char* list, std::int64_t index, const GltfObject& from, const char* key) const;
     /// Returns the elements of an accessor. Throws Error (format) if they are not of this type, "SCALAR" or "VEC3", or
     /// are not valid; Error (file) if the file with their bytes cannot be read.

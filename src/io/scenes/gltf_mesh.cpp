@@ -37,9 +37,9 @@ double coordinate_at(const GltfElements& e, std::int64_t i, std::size_t k) {
     }
 }
 
-/// Renumbers corners so that vertices without triangles are left out, and returns the old index of each remaining vertex.
-/// If there is at least one corner for every four vertices, nothing is left out, to save time: all `count` indices are
-/// returned.
+/// Renumbers corners so that vertices without triangles are left out, and returns the old index of each remaining
+/// vertex. If there is at least one corner for every four vertices, nothing is left out, to save time: all `count`
+/// indices are returned.
 std::vector<std::int64_t> used_vertices(std::vector<std::int64_t>& corners, std::int64_t count) {
     std::vector<std::int64_t> used;
     if (count / 4 <= static_cast<std::int64_t>(corners.size())) {
@@ -107,8 +107,8 @@ TriangleMesh GltfMeshes::read(const std::vector<Primitive>& primitives, const Gl
             all.push_back(&vertices);
         }
         add_corners(primitive, vertices, mesh, corners);
-        // Limit against small files that expand to huge meshes. In a real file, primitives that share data refer to each
-        // byte a few times at most.
+        // Limit against small files that expand to huge meshes. In a real file, primitives that share data refer to
+        // each byte a few times at most.
         if ((corners_ + corners.size()) / 24 > file_.bytes_read())
             mesh.fail("names what has been named before so often that the file has more than 8 triangles a byte");
     }

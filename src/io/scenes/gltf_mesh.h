@@ -23,7 +23,8 @@ class GltfMeshes {
     std::int32_t shape_of(std::int64_t mesh, const GltfObject& node);
     std::vector<TriangleMesh> release_shapes() { return std::move(shapes_); }
 
-    // Unsupported objects of one kind, which are left out: the place of the first one in the description, and their number.
+    // Unsupported objects of one kind, which are left out: the place of the first one in the description, and their
+    // number.
     struct Left {
         std::string first;
         std::int64_t count = 0;

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t row_numbers = 12, square_numbers = 16;
 
-/// Collector of poses, one row of numbers per pose. Rows are in the order of the bodies; each set of rows for all bodies
-/// is a configuration.
+/// Collector of poses, one row of numbers per pose. Rows are in the order of the bodies; each set of rows for all
+/// bodies is a configuration.
 class Poses {
    public:
     Poses(const Source& source, std::span<const std::string> bodies) : source_(source), bodies_(bodies) {}
