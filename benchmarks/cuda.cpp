@@ -4,9 +4,9 @@
 // device's: between events before and after the graph on the caller's stream, which a kernel keeps busy until the graph
 // is enqueued. Other columns: on an idle stream, which includes the host's launch; by the host's clock, which includes
 // wait(); with the mesh on the host, which includes upload and download; the cpu backend on all threads; and, for each
-// stage, the lower bound that bandwidth and launches imply. Each result is compared with that of the cpu backend. A wrong
-// result is marked in its row ("right": false, with a sentence); the run continues, and the program's exit status is 1.
-// The file of figures grows row by row, so that an interrupted run leaves its figures.
+// stage, the lower bound that bandwidth and launches imply. Each result is compared with that of the cpu backend. A
+// wrong result is marked in its row ("right": false, with a sentence); the run continues, and the program's exit status
+// is 1. The file of figures grows row by row, so that an interrupted run leaves its figures.
 //
 // With --serve, the program is a contestant of peers_python.py --on-device, which measures peers on the same device.
 
@@ -84,8 +84,8 @@ class Simulation {
     const MeshView& view() const { return view_; }
 
     /// Launches a frame and returns the milliseconds between events before and after it. If `busy`, a kernel keeps the
-    /// stream busy until the host has launched the frame. Otherwise the stream is idle, and the time includes the host's
-    /// launch, some 10 us.
+    /// stream busy until the host has launched the frame. Otherwise the stream is idle, and the time includes the
+    /// host's launch, some 10 us.
     double frame(Detector& detector, bool busy) {
         if (busy) keep_busy(stream_);
         check(cudaEventRecord(begin_, stream_));
@@ -284,7 +284,8 @@ nlohmann::json dump(const Workload& workload, const Intersections& found, const 
 }
 
 /// Serves requests like crumple_benchmark --serve (requests.h), except for `parts`. A call of the request `run` is a
-/// frame on the device, timed by the host's clock including wait(), as calls of peers are. Ignores the number of threads.
+/// frame on the device, timed by the host's clock including wait(), as calls of peers are. Ignores the number of
+/// threads.
 void serve(const Settings& settings) {
     const Workload workload = load(settings.scenes.at(0));
     Simulation simulation(workload.a);
@@ -322,8 +323,8 @@ int run(Settings settings) {
         settings.serving ? serve(settings) : play(settings);
         return 0;
     }
-    // Time to make the first backend of the process, which loads kernels, allocates their stacks, and compares decisions
-    // of the device about test cases with those of the host.
+    // Time to make the first backend of the process, which loads kernels, allocates their stacks, and compares
+    // decisions of the device about test cases with those of the host.
     const double backend = milliseconds_of([&] { const Detector detector(settings.options()); });
     settings.limits = measure_limits(settings.device);
     int runtime = 0, driver = 0;
@@ -380,7 +381,8 @@ int run(Settings settings) {
 
 int main(int argc, char** argv) {
     using namespace crumple::benchmark;
-    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // prints each line at once, so that none is lost if the program is killed
+    std::setvbuf(stdout, nullptr, _IOLBF,
+                 BUFSIZ);  // prints each line at once, so that none is lost if the program is killed
     Settings settings;
     CLI::App app("The cuda backend on meshes that lie on the device.");
     app.add_option("--scene", settings.scenes,

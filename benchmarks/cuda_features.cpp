@@ -46,8 +46,8 @@ class StepThere {
     const MeshView& view() const { return view_; }
     const VertexView& end() const { return end_view_; }
 
-    /// Returns the milliseconds that the device spends on the work that launch() enqueues. A kernel keeps the stream busy
-    /// until the work is enqueued, so that the time does not include the host's launch.
+    /// Returns the milliseconds that the device spends on the work that launch() enqueues. A kernel keeps the stream
+    /// busy until the work is enqueued, so that the time does not include the host's launch.
     template <class Launch>
     double milliseconds(Launch launch) const {
         keep_busy(stream_);
@@ -83,8 +83,8 @@ bool same_list(const DeviceProximityList& there, const ProximityList& here) {
 }
 bool same_list(const DeviceCandidateList& there, const CandidateList& here) { return same(there.pairs, here.pairs); }
 
-/// Returns a sentence about the first difference of a result on the device (`there`, by the cuda backend) and one on the
-/// host (`here`, by the cpu backend); empty if there is none.
+/// Returns a sentence about the first difference of a result on the device (`there`, by the cuda backend) and one on
+/// the host (`here`, by the cpu backend); empty if there is none.
 template <class There, class Here>
 std::string difference(const There& there, const Here& here) {
     if (there.count != here.count) return fmt::format("cuda has {} rows, cpu has {}", there.count, here.count);

@@ -12,10 +12,10 @@ namespace crumple::benchmark {
 
 Table table_of_steps();
 
-/// Times each query about the step `name` by `frames` launches after a warm-up: on the device by events, on a stream that
-/// is kept busy until the graph is enqueued; by the host's clock, including wait(); and on the cpu backend with all
-/// threads. Compares the results of both backends (comparison.h). Adds rows to the table, and passes each row of figures
-/// to `add` once it is measured.
+/// Times each query about the step `name` by `frames` launches after a warm-up: on the device by events, on a stream
+/// that is kept busy until the graph is enqueued; by the host's clock, including wait(); and on the cpu backend with
+/// all threads. Compares the results of both backends (comparison.h). Adds rows to the table, and passes each row of
+/// figures to `add` once it is measured.
 void measure_step(const std::string& name, const Options& options, int frames, Table& table, const RowSink& add);
 
 /// Runs `frames` launches of impacts, of proximities and of candidates. The range that a profiler records is the last

@@ -20,7 +20,8 @@ class DeviceArray {
     DeviceArray(const void* host, std::size_t bytes) {
         check(cudaMalloc(&data_, std::max<std::size_t>(bytes, 1)));
         check(cudaMemcpy(data_, host, bytes, cudaMemcpyHostToDevice));
-        check(cudaDeviceSynchronize());  // cudaMemcpy may return before the copy ends, and non-blocking streams do not wait
+        check(cudaDeviceSynchronize());  // cudaMemcpy may return before the copy ends, and non-blocking streams do not
+                                         // wait
     }
     DeviceArray(const DeviceArray&) = delete;
     DeviceArray& operator=(const DeviceArray&) = delete;

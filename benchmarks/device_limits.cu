@@ -13,8 +13,8 @@ void check(cudaError_t error) {
 
 namespace {
 
-// Attributes are given by number, because the headers of the device that the CPU emulates (cuda_on_cpu/), with which this
-// file is also compiled for tests, do not name them.
+// Attributes are given by number, because the headers of the device that the CPU emulates (cuda_on_cpu/), with which
+// this file is also compiled for tests, do not name them.
 constexpr auto memory_clock_kilohertz = static_cast<cudaDeviceAttr>(36);
 constexpr auto bus_width_bits = static_cast<cudaDeviceAttr>(37);
 constexpr auto clock_kilohertz = static_cast<cudaDeviceAttr>(13);

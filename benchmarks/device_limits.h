@@ -12,7 +12,8 @@ namespace crumple::benchmark {
 void check(cudaError_t error);
 
 struct DeviceLimits {
-    double peak_bandwidth = 0;  ///< bytes per second, by memory clock and bus width; 0 if the device does not report them
+    double peak_bandwidth =
+        0;  ///< bytes per second, by memory clock and bus width; 0 if the device does not report them
     double copy_bandwidth = 0;  ///< bytes per second, read and written, of a copy of four times the L2 cache
     // Median milliseconds between events on the stream; for graphs, on a stream that is kept busy before:
     double graph = 0;   ///< a graph of one empty kernel

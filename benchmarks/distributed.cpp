@@ -1,6 +1,6 @@
-// crumple_mpi_benchmark: compares MPI ranks with one thread each with one process with as many threads as there are ranks,
-// alternately, on two frames that alternate. Each rank has a block of the triangles. --growth compares the memory of the
-// ranks with that of one process on one thread. Run it by mpirun.
+// crumple_mpi_benchmark: compares MPI ranks with one thread each with one process with as many threads as there are
+// ranks, alternately, on two frames that alternate. Each rank has a block of the triangles. --growth compares the
+// memory of the ranks with that of one process on one thread. Run it by mpirun.
 //
 //     mpirun -n 2 crumple_mpi_benchmark unc_cloth_ball cloth:1000000
 //     mpirun -n 4 crumple_mpi_benchmark --growth cloth:100000000
@@ -155,8 +155,8 @@ nlohmann::json race_ranks(const std::string& scene, const Settings& settings, in
     return row;
 }
 
-/// Returns the hash of a list of rows that ends with `pairs`, given the hash `before` of the rows in front of them (0 if
-/// there are none).
+/// Returns the hash of a list of rows that ends with `pairs`, given the hash `before` of the rows in front of them (0
+/// if there are none).
 std::uint64_t hash_of(std::span<const Pair> pairs, std::uint64_t before) {
     for (const auto [a, b] : pairs)
         before = scenes::mix(before ^ (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)));
@@ -231,9 +231,9 @@ Growth grow_alone(const scenes::Parameters& parameters) {
     return growth;
 }
 
-// Compares the peak memory of the rank that needs most, which includes its local mesh, with that of one process that has
-// the whole scene. Memory that was in use before a process had a scene is subtracted. Only rank 0 makes the whole scene,
-// after the ranks have been measured.
+// Compares the peak memory of the rank that needs most, which includes its local mesh, with that of one process that
+// has the whole scene. Memory that was in use before a process had a scene is subtracted. Only rank 0 makes the whole
+// scene, after the ranks have been measured.
 nlohmann::json measure_growth(const std::string& scene, const Settings& settings, int rank, int ranks) {
     const auto [name, parameters] = parse(scene);
     if (name != "cloth" || parameters.triangles == 0)

@@ -16,7 +16,8 @@ constexpr double index = size<std::int32_t>, corners = 3 * index, ball = size<Ba
 constexpr double offset = size<unsigned long long>, bin_counter = size<std::uint32_t>;
 constexpr double member = size<std::int32_t> + size<std::uint32_t>;  // triangle, item
 constexpr double span_of_bins = size<std::uint32_t>, rank = size<std::uint32_t>, end = size<std::uint32_t>;
-// Bytes per member that the sweep reads in order, and bytes per member that it gathers if the member's box overlaps another.
+// Bytes per member that the sweep reads in order, and bytes per member that it gathers if the member's box overlaps
+// another.
 constexpr double streamed = size<cuda::CrossBox> + mask + end;
 constexpr double gathered = size<Record> + index + size<std::uint16_t>;
 
@@ -41,8 +42,8 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     // Checks vertices, then normalises them and makes balls, for which vertices are read once more.
     at(Stage::bounds) = {v * vertex + v * (vertex + row) + n * (corners + ball), 2};
 
-    // At each level of clusters, a triangle's clusters are found and members are listed. Statistics have no number of members
-    // of the first of two levels; it is at least the number of triangles.
+    // At each level of clusters, a triangle's clusters are found and members are listed. Statistics have no number of
+    // members of the first of two levels; it is at least the number of triangles.
     const auto level = [&](bool first, double items, double joined) {
         const double triangles = first ? 0 : items * index;
         return Work{triangles + n * ball + items * mask + joined * member, 1};
@@ -55,8 +56,8 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     const auto beside = [](std::int64_t fan_out) { return 1 + (fan_out > 1 ? 2 * FuzzyCMeans().max_iterations : 0); };
     work.beside = 1 + beside(counted.clusters) + (two_levels ? beside(counted.leaves / counted.clusters) : 0);
 
-    // Three nodes: counts the members of each bin and sums the counts, writes members to their places in the order of bins,
-    // and lists the units of the sweep.
+    // Three nodes: counts the members of each bin and sums the counts, writes members to their places in the order of
+    // bins, and lists the units of the sweep.
     const double corners_of_members = n * corners + v * row;
     const double counting = bins * 3 * bin_counter + corners_of_members + members * (index + span_of_bins + rank);
     const double placing = bins * bin_counter + corners_of_members + n * mask +
@@ -67,13 +68,14 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
                             (two_levels ? n * mask : 0) + survivors * size<cuda::Candidate>,
                         1};
 
-    // Two nodes: filters, and exact decisions of pairs that the filters leave unresolved. Both count colliding pairs per
-    // first triangle.
+    // Two nodes: filters, and exact decisions of pairs that the filters leave unresolved. Both count colliding pairs
+    // per first triangle.
     at(Stage::narrow) = {survivors * size<cuda::Candidate> + narrowed_rows * gathered + pairs * size<cuda::Hit> +
                              first_triangles * 2 * offset,
                          2};
 
-    // Four nodes: prefix sums, filling buckets with the pairs of each first triangle, sorting short buckets, sorting long ones.
+    // Four nodes: prefix sums, filling buckets with the pairs of each first triangle, sorting short buckets, sorting
+    // long ones.
     at(Stage::output) = {n * 2 * offset +
                              pairs * (size<cuda::Hit> + size<cuda::BucketedPair>)+first_triangles * offset + n +
                              (n + 1) * offset + pairs * (size<cuda::BucketedPair> + size<Pair>)+2 * n,

@@ -4,14 +4,14 @@
 // nodes of the frame's graph. Together with a device's limits they bound a stage's time from below (docs/cuda.md).
 //
 // Bytes: each kernel reads the needed part of its inputs once and writes its outputs once, in the layout of
-// src/backends/cuda/stages/layout.h, and nothing stays in a cache from one kernel to the next. For gathers, the bytes of
-// the distinct elements count, not the 32 bytes that memory transfers for each. Data are left out whose size does not
-// depend on the scene, or is a few bytes per leaf: samples, centres, partial sums, frames, counters. So are the few pairs
-// that float32 filters leave unresolved.
+// src/backends/cuda/stages/layout.h, and nothing stays in a cache from one kernel to the next. For gathers, the bytes
+// of the distinct elements count, not the 32 bytes that memory transfers for each. Data are left out whose size does
+// not depend on the scene, or is a few bytes per leaf: samples, centres, partial sums, frames, counters. So are the few
+// pairs that float32 filters leave unresolved.
 //
-// Nodes: kernels, memsets and copies of which each waits for the one before, counted in the host's code of each stage. The
-// bounds are for a search of one mesh against itself, on the device, with default options and warm-started clusters, whose
-// triangles are contiguous rows of three int32.
+// Nodes: kernels, memsets and copies of which each waits for the one before, counted in the host's code of each stage.
+// The bounds are for a search of one mesh against itself, on the device, with default options and warm-started
+// clusters, whose triangles are contiguous rows of three int32.
 
 #include <array>
 #include <cstdint>

@@ -19,7 +19,8 @@ double milliseconds(const std::function<void()>& call) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Returns the quantile `share` (0.5: the median) of sorted values, by linear interpolation between neighbouring values.
+/// Returns the quantile `share` (0.5: the median) of sorted values, by linear interpolation between neighbouring
+/// values.
 double quantile(const std::vector<double>& sorted, double share) {
     const double place = share * static_cast<double>(sorted.size() - 1);
     const auto below = static_cast<std::size_t>(place);

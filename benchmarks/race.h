@@ -1,12 +1,12 @@
 #pragma once
 
-// Races of contestants, timed so that ratios of their times stay meaningful on a machine whose speed drifts and that other
-// programs use, too.
+// Races of contestants, timed so that ratios of their times stay meaningful on a machine whose speed drifts and that
+// other programs use, too.
 //
-// After a warm-up the contestants alternate: in each round, each contestant calls its function until its slice of time is
-// spent, at least once. The order is reversed after each round. A contestant's time is the median over all its calls. The
-// ratio of two contestants is computed for each round from their medians within that round; median and quartiles of a ratio
-// are taken over the rounds.
+// After a warm-up the contestants alternate: in each round, each contestant calls its function until its slice of time
+// is spent, at least once. The order is reversed after each round. A contestant's time is the median over all its
+// calls. The ratio of two contestants is computed for each round from their medians within that round; median and
+// quartiles of a ratio are taken over the rounds.
 
 #include <cstdint>
 #include <functional>
@@ -18,7 +18,8 @@
 
 namespace crumple::benchmark {
 
-/// One way to compute a result. Of contestants with the same name and different ways, the fastest one stands for the name.
+/// One way to compute a result. Of contestants with the same name and different ways, the fastest one stands for the
+/// name.
 struct Contestant {
     std::string name;                          ///< program: "crumple", "CGAL", ...
     std::string way;                           ///< method: "1 thread", "AABB trees, float32", ...
@@ -43,14 +44,15 @@ struct Times {
     Summary summary() const;
 };
 
-/// Returns the processor time per wall-clock time of this process when it uses all processors, measured for a twentieth of
-/// a second: the number of processors that it gets. If that is less than their number, other load uses the others, and
-/// multi-threaded times are pessimistic.
+/// Returns the processor time per wall-clock time of this process when it uses all processors, measured for a twentieth
+/// of a second: the number of processors that it gets. If that is less than their number, other load uses the others,
+/// and multi-threaded times are pessimistic.
 double processors_at_hand();
 /// Describes the result of processors_at_hand() in words, with a warning if it is below 90 % of all processors.
 std::string describe_processors(double at_hand);
 
-/// Returns statistics of the ratio of `theirs` to `ours` over the rounds. In each round, it is the ratio of the medians.
+/// Returns statistics of the ratio of `theirs` to `ours` over the rounds. In each round, it is the ratio of the
+/// medians.
 Summary ratio(const Times& theirs, const Times& ours);
 
 struct Effort {
@@ -63,8 +65,8 @@ struct Effort {
 /// Calls a contestant until `seconds` are spent, at least once, and returns the milliseconds of each call.
 std::vector<double> time_slice(const Contestant& contestant, double seconds);
 
-/// Returns the times of each contestant. A contestant whose warm-up takes over 1.5 times as long as that of the fastest one
-/// of the same name does not take part in the rounds, because it cannot be the fastest.
+/// Returns the times of each contestant. A contestant whose warm-up takes over 1.5 times as long as that of the fastest
+/// one of the same name does not take part in the rounds, because it cannot be the fastest.
 std::vector<Times> race(std::span<const Contestant> contestants, const Effort& effort);
 
 }  // namespace crumple::benchmark

@@ -15,8 +15,8 @@ struct Sequence {
     std::vector<io::TriangleMesh> frames;
 };
 
-/// Loads every `step`-th frame of a sequence, or both frames of an unc_... sequence, which has only two. `name` is that of
-/// a sequence of files, or NAME[:TRIANGLES] for a procedural scene that moves, as in workload.h. Throws Error for an
+/// Loads every `step`-th frame of a sequence, or both frames of an unc_... sequence, which has only two. `name` is that
+/// of a sequence of files, or NAME[:TRIANGLES] for a procedural scene that moves, as in workload.h. Throws Error for an
 /// unknown name or a missing file.
 Sequence load_sequence(const std::string& name, int step = 1);
 

@@ -18,9 +18,9 @@ struct Step {
 };
 
 /// Loads a step. `name` is that of a sequence of two files (sequence.h), whose frames are the step's start and end; or
-/// NAME[:TRIANGLES] for a procedural scene. Such a step starts at the scene's last frame but one and goes in the direction
-/// of the last frame, so far that vertices move by half the mean edge length on average. So steps of a scene are
-/// comparable at all sizes. Throws Error for an unknown name or a missing file.
+/// NAME[:TRIANGLES] for a procedural scene. Such a step starts at the scene's last frame but one and goes in the
+/// direction of the last frame, so far that vertices move by half the mean edge length on average. So steps of a scene
+/// are comparable at all sizes. Throws Error for an unknown name or a missing file.
 Step load_step(const std::string& name);
 
 /// Returns the names of steps from files, or of procedural ones if there are no files.

@@ -22,8 +22,8 @@ std::string words_of(const Choices<Value>& choices) {
     return words;
 }
 
-/// Returns the value of the word `text`. Throws CLI::ValidationError if it is not among the choices. `name`: name of the
-/// option, for the message.
+/// Returns the value of the word `text`. Throws CLI::ValidationError if it is not among the choices. `name`: name of
+/// the option, for the message.
 template <class Value>
 Value chosen(const char* name, const std::string& text, const Choices<Value>& choices) {
     const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.first == text; });

@@ -77,8 +77,8 @@ void add_polygons_option(CLI::App& app, QueryOptions& options);
 /// Adds `--format`, the format of output to standard output (`-o -`).
 void add_format_option(CLI::App& app, std::string& format, const std::string& words);
 
-/// Throws Error (invalid_argument) if an output, or the .mtl file written beside an .obj output, is one of the files that
-/// are read. Recognises a file under any of its names.
+/// Throws Error (invalid_argument) if an output, or the .mtl file written beside an .obj output, is one of the files
+/// that are read. Recognises a file under any of its names.
 void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
                    const QueryOptions& options);
 

@@ -14,9 +14,9 @@ class CommonUnit {
     /// `strict`: warnings are errors.
     explicit CommonUnit(bool strict) : strict_(strict) {}
 
-    /// Converts the contents of the next file if its unit differs, and prints a note about it. Warns if only some of the
-    /// files state a unit; if strict, throws Error (invalid_argument) instead. Throws Error (invalid_argument) also if a
-    /// coordinate overflows.
+    /// Converts the contents of the next file if its unit differs, and prints a note about it. Warns if only some of
+    /// the files state a unit; if strict, throws Error (invalid_argument) instead. Throws Error (invalid_argument) also
+    /// if a coordinate overflows.
     void apply(const std::string& file, io::TriangleMesh& mesh);
     void apply(const std::string& file, io::WorldMesh& world);
 

@@ -14,8 +14,8 @@ namespace crumple::cli {
 
 class Frames {
    public:
-    /// `files`: one per frame. `scene`: name of a procedural scene. Throws Error (invalid_argument) unless exactly one of
-    /// the two is given.
+    /// `files`: one per frame. `scene`: name of a procedural scene. Throws Error (invalid_argument) unless exactly one
+    /// of the two is given.
     Frames(std::vector<std::string> files, const std::string& scene, const scenes::Parameters& parameters);
 
     std::size_t count() const { return files_.empty() ? scene_frames_ : files_.size(); }

@@ -16,8 +16,8 @@ struct Group {
     std::vector<std::string_view> options;
 };
 
-/// Groups of options, in the order in which help shows them. Options that are in none of these lists are shown at the end
-/// of the first group.
+/// Groups of options, in the order in which help shows them. Options that are in none of these lists are shown at the
+/// end of the first group.
 const std::vector<Group>& groups() {
     static const std::vector<Group> all{
         {"Options",

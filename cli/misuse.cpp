@@ -51,8 +51,8 @@ constexpr std::pair<std::string_view, std::string_view> renamed_options[] = {
     {"--wanted", "--filter"},
 };
 
-/// Returns "; it is --filter now" if the command had this option under another name in an earlier version, or "; did you
-/// mean --neighbours?" if it has an option or subcommand of a similar name; else an empty text.
+/// Returns "; it is --filter now" if the command had this option under another name in an earlier version, or "; did
+/// you mean --neighbours?" if it has an option or subcommand of a similar name; else an empty text.
 std::string suggestion(const std::string& argument, const CLI::App& command) {
     const std::string word = argument.substr(0, argument.find('='));
     for (const auto& [old_name, name] : renamed_options)

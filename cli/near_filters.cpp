@@ -9,8 +9,8 @@
 namespace crumple::cli {
 namespace {
 
-/// Reads one radius per line, for each vertex; skips blank lines and comments (#). Throws Error (file, format) that names
-/// the line.
+/// Reads one radius per line, for each vertex; skips blank lines and comments (#). Throws Error (file, format) that
+/// names the line.
 std::vector<double> read_radii(const std::string& path, std::int64_t vertices) {
     const io::Source source(path);
     io::Scanner in(source, {.lines = true, .comments = true});

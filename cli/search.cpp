@@ -16,8 +16,8 @@
 namespace crumple::cli {
 namespace {
 
-/// Reads a text file with one group (an integer) per line, for each triangle; skips blank lines and comments (#). Throws
-/// Error (file, format) that names the line.
+/// Reads a text file with one group (an integer) per line, for each triangle; skips blank lines and comments (#).
+/// Throws Error (file, format) that names the line.
 std::vector<std::int32_t> read_groups(const std::string& path) {
     const io::Source source(path);
     io::Scanner in(source, {.lines = true, .comments = true});
@@ -57,8 +57,8 @@ io::TriangleMesh read(const std::string& path, const io::ReadOptions& how) {
     return mesh;
 }
 
-/// Reads a mesh with its groups. If the value of --groups is not a property of the mesh, the error also says that there is
-/// no file of that name.
+/// Reads a mesh with its groups. If the value of --groups is not a property of the mesh, the error also says that there
+/// is no file of that name.
 io::TriangleMesh read_with_groups(const std::string& path, const io::ReadOptions& how) {
     try {
         return read(path, how);
@@ -141,7 +141,8 @@ Input made_input(const std::string& name, io::TriangleMesh mesh, const QueryOpti
 
 namespace {
 
-/// Throws Error (invalid_argument) that says that the meshes of a step have different faces. `what`: the first difference.
+/// Throws Error (invalid_argument) that says that the meshes of a step have different faces. `what`: the first
+/// difference.
 [[noreturn]] void refuse_other_faces(const std::string& start_name, const std::string& end_name,
                                      const std::string& what) {
     const bool stl = extension_of(start_name) == ".stl" || extension_of(end_name) == ".stl";
@@ -270,8 +271,8 @@ class CodimensionalView {
     MeshView view_;
 };
 
-/// Returns work(scene) for the scene of an input, and adds the name of the input to the message of any Error. `end`: if not
-/// null, the first mesh moves to the vertices of `end`; the input must then have one mesh.
+/// Returns work(scene) for the scene of an input, and adds the name of the input to the message of any Error. `end`: if
+/// not null, the first mesh moves to the vertices of `end`; the input must then have one mesh.
 template <class Work>
 decltype(auto) on_scene(const Input& input, const io::TriangleMesh* end, Work work) {
     return named(input.name, [&]() -> decltype(auto) {

@@ -42,8 +42,8 @@ void convert_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const 
 /// Reads one file or two. Throws Error that names the file and the place.
 Input read_input(const std::vector<std::string>& files, const QueryOptions& options);
 
-/// Returns a generated mesh as input, processed as if it had been read from a file with these options. Its groups count as
-/// a property named `group`. Throws as read_input does.
+/// Returns a generated mesh as input, processed as if it had been read from a file with these options. Its groups count
+/// as a property named `group`. Throws as read_input does.
 Input made_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options);
 
 /// Mesh at the start of a step, and the same mesh at its end.
@@ -52,8 +52,8 @@ struct MovingInput {
     io::TriangleMesh end;
 };
 
-/// Throws Error (invalid_argument) unless the meshes have the same number of vertices and the same faces. Equal polygons
-/// may be triangulated differently.
+/// Throws Error (invalid_argument) unless the meshes have the same number of vertices and the same faces. Equal
+/// polygons may be triangulated differently.
 void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end);
 
 /// Returns the options for reading the meshes of a step. They do not weld vertices, even with --weld: vertices that
@@ -63,7 +63,8 @@ QueryOptions reading_of_motion(QueryOptions options);
 /// Returns the options, changed so that lines and points of OBJ files are read.
 QueryOptions with_lines_and_points(QueryOptions options);
 
-/// Reads both meshes of a step; groups are read from `start` only. Throws Error that names the file and the place in it.
+/// Reads both meshes of a step; groups are read from `start` only. Throws Error that names the file and the place in
+/// it.
 MovingInput read_moving_input(const std::string& start, const std::string& end, const QueryOptions& options);
 
 /// Mesh, and optionally the same mesh at the end of a step.
@@ -73,12 +74,12 @@ struct StepOrStatic {
 
     const io::TriangleMesh* end_or_null() const { return end ? &*end : nullptr; }
 };
-/// Reads both meshes of a step or, if `end` is empty, only the first one, with the same options in either case. Throws as
-/// read_moving_input does.
+/// Reads both meshes of a step or, if `end` is empty, only the first one, with the same options in either case. Throws
+/// as read_moving_input does.
 StepOrStatic read_step_or_static(const std::string& start, const std::string& end, const QueryOptions& options);
 
-/// Computes `offsets` and the hit flags of all triangles from `found.pairs`. `second_triangles`: number of triangles of the
-/// second mesh; 0 for one mesh.
+/// Computes `offsets` and the hit flags of all triangles from `found.pairs`. `second_triangles`: number of triangles of
+/// the second mesh; 0 for one mesh.
 void index_by_triangle(Intersections& found, std::int64_t triangles, std::int64_t second_triangles);
 
 /// Files and names of the bodies of a world, for messages.
@@ -101,21 +102,23 @@ class Search {
     const Intersections& find(const Input& input);
     /// True if any triangles collide. Stops at the first pair, except with --part. Throws as find() does.
     bool any(const Input& input);
-    /// Runs a query about features of one mesh or two. A single mesh moves to `end`, unless that is null; check its faces
-    /// with check_same_faces() before. The result is valid until the next call. Throws Error that names the input.
+    /// Runs a query about features of one mesh or two. A single mesh moves to `end`, unless that is null; check its
+    /// faces with check_same_faces() before. The result is valid until the next call. Throws Error that names the
+    /// input.
     template <class Query>
     const typename Query::Result& find(const Input& input, const Query& query, const io::TriangleMesh* end = nullptr);
-    /// Runs a query, and delivers its result to `take` in blocks, in order. Throws as find() does, and what `take` throws.
+    /// Runs a query, and delivers its result to `take` in blocks, in order. Throws as find() does, and what `take`
+    /// throws.
     template <class Query>
     Statistics stream(const Input& input, const Query& query, FunctionRef<void(const typename Query::Result&)> take,
                       const io::TriangleMesh* end = nullptr);
     Statistics stream(const Input& input, FunctionRef<void(const Intersections&)> take) {
         return stream(input, query(), take);
     }
-    /// Runs a query about bodies. The world has all bodies once for each of one or more configurations. `origins`: files
-    /// and names of the bodies of one configuration. `first_configuration`: number of the first configuration in the
-    /// world; -1 if there is only one, which messages then do not name. The result is valid until the next call. Throws
-    /// Error that names the body that it concerns, with its file and configuration, or else all files.
+    /// Runs a query about bodies. The world has all bodies once for each of one or more configurations. `origins`:
+    /// files and names of the bodies of one configuration. `first_configuration`: number of the first configuration in
+    /// the world; -1 if there is only one, which messages then do not name. The result is valid until the next call.
+    /// Throws Error that names the body that it concerns, with its file and configuration, or else all files.
     template <class Query>
     const typename Query::Result& find(const BodyOrigins& origins, std::int64_t first_configuration, const World& world,
                                        const Query& query);

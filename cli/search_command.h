@@ -34,8 +34,8 @@ struct NearOptions {
 /// Adds `--below`.
 void add_below_option(CLI::App& app, NearOptions& options);
 
-/// Throws Error (invalid_argument) if an option is given that applies to colliding triangles only. `option_of_features`:
-/// the option with which it conflicts, such as "--impacts", for the message.
+/// Throws Error (invalid_argument) if an option is given that applies to colliding triangles only.
+/// `option_of_features`: the option with which it conflicts, such as "--impacts", for the message.
 void refuse_beside_features(const char* option_of_features, const QueryOptions& query_options);
 
 /// Returns the options for a query about features: replaces Backend::automatic by the cpu backend.
@@ -46,14 +46,14 @@ struct ListOutputs {
     std::vector<std::string> paths;
     std::string format;
 
-    /// Throws Error (invalid_argument) if the extension of an output is neither that of a list nor one of `coloured`, the
-    /// extensions of coloured meshes. `what`: names the results in the message, such as "impacts".
+    /// Throws Error (invalid_argument) if the extension of an output is neither that of a list nor one of `coloured`,
+    /// the extensions of coloured meshes. `what`: names the results in the message, such as "impacts".
     void check(const std::string& what, const std::vector<std::string>& coloured = {".glb"}) const;
     /// True if one of the outputs is a file.
     bool have_files() const;
 
-    /// Writes all outputs. list(to, format) writes a list, picture(to) a coloured mesh; `to` is a path or a stream. Without
-    /// outputs, prints the list as text.
+    /// Writes all outputs. list(to, format) writes a list, picture(to) a coloured mesh; `to` is a path or a stream.
+    /// Without outputs, prints the list as text.
     template <class List, class Picture>
     void write(List list, Picture picture) const {
         const auto write_to = [&](const auto& path, auto&& to) {
@@ -133,7 +133,8 @@ struct SearchCommand {
     /// nothing was found or the result was written to files.
     int finish(bool any, const std::string& summary) const;
 };
-/// Adds `--check`, `--stream`, `--stats`, `--progress`, and the options about reading, groups and cost. `check`: help of
+/// Adds `--check`, `--stream`, `--stats`, `--progress`, and the options about reading, groups and cost. `check`: help
+/// of
 /// `--check`.
 void add_search_command_options(CLI::App& app, SearchCommand& command, const std::string& check);
 
@@ -160,8 +161,8 @@ std::string kinds_of(const Candidates& candidates);
 /// text in the parentheses, from kinds_of(); `more`: text after the parentheses.
 std::string summary_of(const Tally& tally, const std::string& kinds, const ListWords& words, std::int64_t triangles,
                        const std::string& more = {});
-/// Returns "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms". `earliest`: true if only the first
-/// impact was searched for.
+/// Returns "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms". `earliest`: true if only the
+/// first impact was searched for.
 std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, bool earliest, std::int64_t triangles);
 inline std::string summary_of_near(const Tally& tally, std::int64_t triangles) {
     return summary_of(tally, kinds_of(tally), words_of_near, triangles);
@@ -172,8 +173,8 @@ Impacts only_first(const Impacts& impacts);
 /// Remark in the table of --stats if only the first impact is searched for.
 inline constexpr const char* only_first_remark = "only the first was looked for";
 
-/// Return a row in the form of .txt lists, without flags: "vf 8481 17305 0.25" for impacts and near pairs, "vf 8481 17305"
-/// for candidates.
+/// Return a row in the form of .txt lists, without flags: "vf 8481 17305 0.25" for impacts and near pairs, "vf 8481
+/// 17305" for candidates.
 std::string text_of(const io::FeatureRow& row, bool has_bodies);
 std::string text_of(const io::CandidateRow& row, bool has_bodies);
 

@@ -17,8 +17,8 @@ std::int64_t count_hits(const Intersections& collisions);
 std::string summary_of_pairs(std::int64_t pairs, std::int64_t hits, std::int64_t all, const char* what,
                              double milliseconds);
 
-/// Prints a table of times, each with its percentage of the sum; name_of(i) returns the name of time i. print_row() prints
-/// a row of the table of counts below it.
+/// Prints a table of times, each with its percentage of the sum; name_of(i) returns the name of time i. print_row()
+/// prints a row of the table of counts below it.
 void print_times(std::string_view title, std::span<const double> milliseconds,
                  std::string_view (*name_of)(std::size_t));
 void print_row(std::string_view name, const std::string& value, const std::string& remark = {});

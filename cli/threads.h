@@ -1,7 +1,7 @@
 #pragma once
 
-// Sets the number of threads that oneTBB allows in the process (a global limit). The library never raises this limit; its
-// users, such as this command line, may.
+// Sets the number of threads that oneTBB allows in the process (a global limit). The library never raises this limit;
+// its users, such as this command line, may.
 
 #include <cstddef>
 

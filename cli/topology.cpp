@@ -96,8 +96,8 @@ struct Side {
     std::int32_t triangle;
 };
 
-/// Returns two triangles that run along an edge in the same direction, or nothing if as many triangles run along it in one
-/// direction as in the other. `sides`: all sides of triangles at this edge.
+/// Returns two triangles that run along an edge in the same direction, or nothing if as many triangles run along it in
+/// one direction as in the other. `sides`: all sides of triangles at this edge.
 std::optional<FlippedEdge> find_flipped(std::span<const Side> sides) {
     const auto up = std::count_if(sides.begin(), sides.end(), [](const Side& side) { return side.upwards; });
     if (2 * up == std::ssize(sides)) return std::nullopt;
@@ -154,7 +154,8 @@ double signed_volume(const io::TriangleMesh& mesh) {
         for (const Vec3d& corner : p) box.widen(corner);
     });
     const Vec3d middle = 0.5 * box.low + 0.5 * box.high, half = box.high - middle;
-    // Scales coordinates by a power of two, so that products of three coordinates do not overflow unless the volume does.
+    // Scales coordinates by a power of two, so that products of three coordinates do not overflow unless the volume
+    // does.
     const int exponent = std::ilogb(max(max(half.x, half.y), max(half.z, 0x1p-1000)));
     const double scale = std::ldexp(1.0, -exponent);
     double volume = 0, lost = 0;  // Neumaier's compensated sum

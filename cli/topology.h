@@ -10,9 +10,9 @@
 
 namespace crumple::cli {
 
-/// Numbers the connected components of triangles from 0, in the order of their first triangles, and returns how many there
-/// are. Triangles are connected if they have a vertex index in common. Sets `labels` to the number of each triangle's
-/// component.
+/// Numbers the connected components of triangles from 0, in the order of their first triangles, and returns how many
+/// there are. Triangles are connected if they have a vertex index in common. Sets `labels` to the number of each
+/// triangle's component.
 std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int32_t>& labels);
 
 /// Two triangles that run along an edge in the same direction.
@@ -33,9 +33,9 @@ struct EdgeReport {
 EdgeReport report_edges(const io::TriangleMesh& mesh);
 
 /// Returns the volume of a closed mesh: a sixth of the sum, over all triangles, of the triple products of their corners
-/// relative to the middle of the mesh's box. Positive if triangles run counter-clockwise seen from outside. The error is
-/// at most 2e-16 times the sum of the absolute values of the six terms of every triple product. For a thin body this sum
-/// is far larger than the volume.
+/// relative to the middle of the mesh's box. Positive if triangles run counter-clockwise seen from outside. The error
+/// is at most 2e-16 times the sum of the absolute values of the six terms of every triple product. For a thin body this
+/// sum is far larger than the volume.
 double signed_volume(const io::TriangleMesh& mesh);
 
 /// Returns the triangles whose corners lie on one line or in one point, decided exactly.

@@ -1,8 +1,8 @@
-// CGAL's Polygon_mesh_processing: self_intersections, or does_self_intersect for a yes or no, with the kernel that CGAL's
-// manual recommends, Exact_predicates_inexact_constructions. CGAL's meshes must be manifold, so other meshes are repaired
-// before the timed calls: vertices are duplicated, faces keep their order. For repaired meshes CGAL's pairs may differ
-// from crumple's, because CGAL treats copies of a vertex as different vertices. It reports a degenerate face f only as
-// (f, f).
+// CGAL's Polygon_mesh_processing: self_intersections, or does_self_intersect for a yes or no, with the kernel that
+// CGAL's manual recommends, Exact_predicates_inexact_constructions. CGAL's meshes must be manifold, so other meshes are
+// repaired before the timed calls: vertices are duplicated, faces keep their order. For repaired meshes CGAL's pairs
+// may differ from crumple's, because CGAL treats copies of a vertex as different vertices. It reports a degenerate face
+// f only as (f, f).
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>

@@ -1,6 +1,7 @@
 // CGAL's box_self_intersection_d and box_intersection_d: pairs of overlapping boxes by the streamed segment tree of
 // Zomorodian and Edelsbrunner, adjacent triangles included. Boxes are float64 and closed, and made in each call; each
-// thread has an output of its own. Two ways are contestants: sorting the boxes themselves, and sorting pointers to them.
+// thread has an output of its own. Two ways are contestants: sorting the boxes themselves, and sorting pointers to
+// them.
 
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/box_intersection_d.h>

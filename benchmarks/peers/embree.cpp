@@ -1,10 +1,10 @@
 // Embree: a bounding volume hierarchy over the triangles' boxes, built anew in each call, and rtcCollide. It yields
 // pairs of overlapping boxes, adjacent triangles included; tests of triangles would cost extra.
 //
-// Build quality is LOW for the scene and for the geometry (Morton codes). This is the fastest build, and makes leaves of one
-// primitive. With the geometry's default quality leaves have several primitives, and rtcCollide reports all pairs of two
-// leaves, even if boxes of the primitives do not overlap. Each thread has an output of its own, because a shared counter
-// would ruin the scaling.
+// Build quality is LOW for the scene and for the geometry (Morton codes). This is the fastest build, and makes leaves
+// of one primitive. With the geometry's default quality leaves have several primitives, and rtcCollide reports all
+// pairs of two leaves, even if boxes of the primitives do not overlap. Each thread has an output of its own, because a
+// shared counter would ruin the scaling.
 
 #include <embree3/rtcore.h>
 #include <tbb/global_control.h>
@@ -95,7 +95,8 @@ class Collider {
     void operator()() {
         outputs_.start();
         for (RTCScene scene : scenes_) {
-            rtcCommitGeometry(rtcGetGeometry(scene, 0));  // marks the geometry as changed, so that the hierarchy is rebuilt
+            rtcCommitGeometry(
+                rtcGetGeometry(scene, 0));  // marks the geometry as changed, so that the hierarchy is rebuilt
             rtcCommitScene(scene);
         }
         const auto append = [](void* outputs, RTCCollision* collisions, unsigned count) {

@@ -1,7 +1,8 @@
 // FCL: two meshes as trees of bounding volumes, all pairs of triangles that intersect by its floating-point test,
-// without contact points. FCL uses one thread. Contestants combine both scalar types with each bounding volume for which FCL
-// has a mesh traversal; the fastest combination stands for FCL. Contestants named "FCL" build the trees in each call, as for
-// deforming meshes; those named "FCL, trees built" build them before the timed calls, as for rigid bodies.
+// without contact points. FCL uses one thread. Contestants combine both scalar types with each bounding volume for
+// which FCL has a mesh traversal; the fastest combination stands for FCL. Contestants named "FCL" build the trees in
+// each call, as for deforming meshes; those named "FCL, trees built" build them before the timed calls, as for rigid
+// bodies.
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/AABB.h>

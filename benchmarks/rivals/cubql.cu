@@ -1,10 +1,10 @@
 // crumple_cubql_benchmark SCENE...: all pairs of overlapping bounding boxes of a scene's triangles, by cuBQL's BVH
 // (https://github.com/NVIDIA/cuBQL, Apache-2.0), with mesh and pairs on the device.
 //
-// cuBQL computes less than crumple: it compares boxes instead of triangles, in float32. It lists adjacent triangles, too. A
-// call makes the boxes, builds the BVH and queries it with each box; the host's clock is read when the pairs are complete,
-// as for `device_and_wait` of crumple_cuda_benchmark. The program prints one row of JSON per scene; its exit status is 1 if
-// anything failed.
+// cuBQL computes less than crumple: it compares boxes instead of triangles, in float32. It lists adjacent triangles,
+// too. A call makes the boxes, builds the BVH and queries it with each box; the host's clock is read when the pairs are
+// complete, as for `device_and_wait` of crumple_cuda_benchmark. The program prints one row of JSON per scene; its exit
+// status is 1 if anything failed.
 
 #include <cuda_runtime.h>
 
@@ -86,8 +86,8 @@ struct Boxes {
     cudaStream_t stream = nullptr;
     cuBQL::AsyncGpuMemoryResource memory{0};  // keeps its pool between calls
 
-    /// Finds the pairs and returns their number. Sets `built` and `complete` to the milliseconds from the start of the call
-    /// until the host has launched the build, and until the pairs are complete.
+    /// Finds the pairs and returns their number. Sets `built` and `complete` to the milliseconds from the start of the
+    /// call until the host has launched the build, and until the pairs are complete.
     unsigned call(double& built, double& complete) {
         cuBQL::bvh3f bvh;
         unsigned result = 0;

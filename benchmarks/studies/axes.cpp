@@ -1,11 +1,11 @@
 // Study of the sweep direction and of the number of axes along which boxes are tested. [MZ] (the paper that the library
-// follows: ARCHITECTURE.md) sec. 3 sweeps along the first principal component and tests boxes along the second one only.
-// The library tests the third one, too, and rotates the second and the third one so that edges lie along them.
+// follows: ARCHITECTURE.md) sec. 3 sweeps along the first principal component and tests boxes along the second one
+// only. The library tests the third one, too, and rotates the second and the third one so that edges lie along them.
 //
-// The study has a simple sweep of its own, in float64 on one thread, so that only the axes differ. It sorts boxes by their
-// start along the first axis, and tests pairs of boxes whose intervals overlap there along the other axes. For overlapping
-// boxes it tests whether one triangle lies on one side of the other's plane, as triangle tests begin. Adjacent triangles are
-// among the candidates.
+// The study has a simple sweep of its own, in float64 on one thread, so that only the axes differ. It sorts boxes by
+// their start along the first axis, and tests pairs of boxes whose intervals overlap there along the other axes. For
+// overlapping boxes it tests whether one triangle lies on one side of the other's plane, as triangle tests begin.
+// Adjacent triangles are among the candidates.
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
-// Study of triangles of very different size, which [MZ] 5.1 discusses ([MZ] is the paper that the library follows): time per
-// overlapping pair of boxes in scenes full of needles or with triangle sizes over several decades, compared with cloth. Boxes
-// are aligned with the coordinate axes here, although the detector uses other frames, so that their number of overlaps
-// depends on the scene only.
+// Study of triangles of very different size, which [MZ] 5.1 discusses ([MZ] is the paper that the library follows):
+// time per overlapping pair of boxes in scenes full of needles or with triangle sizes over several decades, compared
+// with cloth. Boxes are aligned with the coordinate axes here, although the detector uses other frames, so that their
+// number of overlaps depends on the scene only.
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
-// Study of motion and nearness: time and memory over the number of triangles, on the procedural cloth. Motions and radii
-// are in proportion to the mean edge length (step.h), so that the number of candidates is about proportional to the number
-// of triangles. A time proportional to the number of triangles is therefore the best possible.
+// Study of motion and nearness: time and memory over the number of triangles, on the procedural cloth. Motions and
+// radii are in proportion to the mean edge length (step.h), so that the number of candidates is about proportional to
+// the number of triangles. A time proportional to the number of triangles is therefore the best possible.
 
 #include <fmt/format.h>
 

@@ -1,5 +1,6 @@
 // Study of motion and nearness: time of each stage on one thread, pairs and tests left by each filter, and the gain
-// from threads and instruction sets. A test is a pair of features (a vertex and a face, or two edges) of a pair of triangles.
+// from threads and instruction sets. A test is a pair of features (a vertex and a face, or two edges) of a pair of
+// triangles.
 
 #include <fmt/format.h>
 
@@ -10,8 +11,8 @@
 namespace crumple::benchmark {
 namespace {
 
-/// Measures the median milliseconds of each stage and of the whole call over `calls` warm calls, and the counts. Adds a row
-/// to both tables, and returns the figures.
+/// Measures the median milliseconds of each stage and of the whole call over `calls` warm calls, and the counts. Adds a
+/// row to both tables, and returns the figures.
 nlohmann::json stages(const Step& step, FeatureQuestion query, int calls, Table& times, Table& counts) {
     Detector detector({.threads = 1});
     std::array<std::vector<double>, stage_count> stage;

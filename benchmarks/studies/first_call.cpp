@@ -1,7 +1,7 @@
 // Study of the cost of a first call: in a new process, whose threads have to start and whose code has to be paged in;
-// with a new detector in a process that has run calls before; and with a warm detector, for comparison. In all three cases
-// the pages of the caller's arrays are already in memory. The time to make the detector of a new process, which starts the
-// threads, is in a column of its own.
+// with a new detector in a process that has run calls before; and with a warm detector, for comparison. In all three
+// cases the pages of the caller's arrays are already in memory. The time to make the detector of a new process, which
+// starts the threads, is in a column of its own.
 
 #include <fmt/format.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
-// Study of a ground: two triangles of twenty times the scene's size beneath a cloth. They belong to every cluster, their
-// intervals overlap all others, and they make any bound useless that is derived from the largest triangle. The cloth is
-// compared with the scene `ground`, whose ground cuts through the cloth's hem. To any other scene the study adds a ground that
-// touches nothing.
+// Study of a ground: two triangles of twenty times the scene's size beneath a cloth. They belong to every cluster,
+// their intervals overlap all others, and they make any bound useless that is derived from the largest triangle. The
+// cloth is compared with the scene `ground`, whose ground cuts through the cloth's hem. To any other scene the study
+// adds a ground that touches nothing.
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
-// Study of time and memory over the number of triangles, on the procedural cloth, whose number of colliding pairs grows in
-// proportion. A time proportional to the number of triangles is therefore the best possible. Sizes are timed one after
-// another; for each size, calls on one thread and on all threads alternate.
+// Study of time and memory over the number of triangles, on the procedural cloth, whose number of colliding pairs grows
+// in proportion. A time proportional to the number of triangles is therefore the best possible. Sizes are timed one
+// after another; for each size, calls on one thread and on all threads alternate.
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
 // Study of the membership of triangles in clusters: rules of [MZ] (the paper that the library follows: ARCHITECTURE.md)
 // against two local rules, around the same centres.
 //
-// A triangle belongs to the cluster of its nearest centre. A rule defines to which other clusters it also belongs, so that
-// pairs of triangles of different clusters are found. Let d_k be the distance of the triangle's centroid from centre k, d_min
-// the least d_k, s_k the distance of the centroid from the plane that bisects the nearest centre and centre k, r the distance
-// from the centroid to the farthest corner, R the largest r of the scene and r' the mean r. A triangle also belongs to cluster
-// k under these rules:
+// A triangle belongs to the cluster of its nearest centre. A rule defines to which other clusters it also belongs, so
+// that pairs of triangles of different clusters are found. Let d_k be the distance of the triangle's centroid from
+// centre k, d_min the least d_k, s_k the distance of the centroid from the plane that bisects the nearest centre and
+// centre k, r the distance from the centroid to the farthest corner, R the largest r of the scene and r' the mean r. A
+// triangle also belongs to cluster k under these rules:
 //   nearest only         never
 //   exactly two          [MZ] 5.1 literally: of the triangles of each other cluster, the one with the least s_k
 //   two across           s_k <= 2 r': [MZ] 5.1 as a width, a band around the plane that is about two triangles wide
@@ -13,8 +13,9 @@
 //   eq. 5, R each side   s_k <= R: finds all pairs according to eq. 5
 //   local 2r             d_k <= d_min + 2 r
 //   bisector             s_k <= r: the rule of the library
-// Each cluster is then searched as a scene of its own, on one thread, and the results are united. Their number shows how many
-// pairs a rule loses. The time shows the cost of a rule, and includes pairs that are found in several clusters.
+// Each cluster is then searched as a scene of its own, on one thread, and the results are united. Their number shows
+// how many pairs a rule loses. The time shows the cost of a rule, and includes pairs that are found in several
+// clusters.
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // Study of the options of nearness: cost of a radius per vertex, of excluding rings of neighbours, and of a rest shape,
-// compared with one radius for all, on one thread. Radii of vertices are either all half of the one radius, so that the list
-// of pairs is the same, or differ from vertex to vertex.
+// compared with one radius for all, on one thread. Radii of vertices are either all half of the one radius, so that the
+// list of pairs is the same, or differ from vertex to vertex.
 
 #include <fmt/format.h>
 

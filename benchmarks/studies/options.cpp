@@ -1,5 +1,5 @@
-// Studies of the time for several values of one option, with all others at their defaults. They show what the option does and
-// whether its default is a good one. On each scene, calls with different values alternate.
+// Studies of the time for several values of one option, with all others at their defaults. They show what the option
+// does and whether its default is a good one. On each scene, calls with different values alternate.
 
 #include <fmt/format.h>
 
@@ -86,8 +86,8 @@ nlohmann::json on_still_scenes(const StudySettings& study, const std::string& op
     return rows;
 }
 
-/// Returns a function that makes contestants on a moving scene. A contestant has one detector; its calls search the last
-/// sixteen frames of a procedural animation, one frame each, forwards and backwards in turn.
+/// Returns a function that makes contestants on a moving scene. A contestant has one detector; its calls search the
+/// last sixteen frames of a procedural animation, one frame each, forwards and backwards in turn.
 MakeContestant moving(const std::string& scene) {
     constexpr int frames = 16;
     const auto sequence = std::make_shared<std::vector<io::TriangleMesh>>();

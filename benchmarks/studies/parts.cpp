@@ -1,8 +1,9 @@
-// Study of the gain if several machines search one scene: Detector::partition splits it into parts, and each is searched
-// alone. The time of the slowest part is a lower bound for that of all machines. The total work grows, because triangles at
-// borders belong to several parts. Parts are searched in two ways. "owning" is find(part), which finds only the pairs that
-// the part owns. "alone" searches a mesh of the part's triangles, which finds pairs of triangles in several parts once in
-// each of them; the difference is the cost of ownership. Searches use one thread; the whole scene and the parts alternate.
+// Study of the gain if several machines search one scene: Detector::partition splits it into parts, and each is
+// searched alone. The time of the slowest part is a lower bound for that of all machines. The total work grows, because
+// triangles at borders belong to several parts. Parts are searched in two ways. "owning" is find(part), which finds
+// only the pairs that the part owns. "alone" searches a mesh of the part's triangles, which finds pairs of triangles in
+// several parts once in each of them; the difference is the cost of ownership. Searches use one thread; the whole scene
+// and the parts alternate.
 
 #include <fmt/format.h>
 

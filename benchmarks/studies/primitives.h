@@ -1,7 +1,7 @@
 #pragma once
 
-// Triangles with centroids and radii, as the stages before `narrow` use them, but in float64. For studies that compare the
-// library's algorithms with others.
+// Triangles with centroids and radii, as the stages before `narrow` use them, but in float64. For studies that compare
+// the library's algorithms with others.
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
-// Study of ranks that are threads of this process, timed by the CPU time of each thread, as if each had a machine of its
-// own: balance of the work, total work divided by that of one process, and traffic. The scene does not move. During the first
-// frames, parts are assigned to other ranks by measured work until the assignment is stable. Balance and work are medians of
-// the last four frames.
+// Study of ranks that are threads of this process, timed by the CPU time of each thread, as if each had a machine of
+// its own: balance of the work, total work divided by that of one process, and traffic. The scene does not move. During
+// the first frames, parts are assigned to other ranks by measured work until the assignment is stable. Balance and work
+// are medians of the last four frames.
 
 #include <fmt/format.h>
 

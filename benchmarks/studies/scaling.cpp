@@ -1,6 +1,7 @@
-// Study of the scaling of ranks as if each had a machine of its own: times of searches and of other computation, and counts
-// of the communication of a frame. Ranks are threads of this process, timed by the CPU time of each thread outside its calls
-// of the transport. Each makes its own block of a cloth, which moves. benchmarks/predict_ranks.py reads these figures.
+// Study of the scaling of ranks as if each had a machine of its own: times of searches and of other computation, and
+// counts of the communication of a frame. Ranks are threads of this process, timed by the CPU time of each thread
+// outside its calls of the transport. Each makes its own block of a cloth, which moves. benchmarks/predict_ranks.py
+// reads these figures.
 
 #include <fmt/format.h>
 

@@ -20,8 +20,8 @@ struct Way {
     Options options;
 };
 
-/// Returns the configurations that are measured, as far as this machine supports them: the cpu backend with each instruction
-/// set that users are likely to have, on 1, 2, 4, ... and all threads, and the cuda backend on each device.
+/// Returns the configurations that are measured, as far as this machine supports them: the cpu backend with each
+/// instruction set that users are likely to have, on 1, 2, 4, ... and all threads, and the cuda backend on each device.
 std::vector<Way> ways_here() {
     std::set<int> threads;
     const int all = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -42,7 +42,8 @@ std::vector<Way> ways_here() {
     }
     if (ways.empty())
         for (const int t : threads) ways.push_back({"cpu", "automatic", {.backend = Backend::cpu, .threads = t}});
-    // Calls of the cuda backend upload meshes and download pairs here. benchmarks/cuda.cpp measures arrays on the device.
+    // Calls of the cuda backend upload meshes and download pairs here. benchmarks/cuda.cpp measures arrays on the
+    // device.
     for (const DeviceInfo& device : list_devices().devices)
         ways.push_back({"cuda", device.name, {.backend = Backend::cuda, .threads = 1, .device = device.number}});
     return ways;

@@ -1,11 +1,13 @@
-// Study of scenes that move, frame by frame: time of each stage (as in figs. 7 and 8 of [MZ], the paper that the library
-// follows: ARCHITECTURE.md), gain from warm-started centres of clusters ([MZ] sec. 4, end), the 99th percentile of times,
-// which would be too low if a single frame were repeated, counts that explain slow frames, and the detector's peak memory.
+// Study of scenes that move, frame by frame: time of each stage (as in figs. 7 and 8 of [MZ], the paper that the
+// library follows: ARCHITECTURE.md), gain from warm-started centres of clusters ([MZ] sec. 4, end), the 99th percentile
+// of times, which would be too low if a single frame were repeated, counts that explain slow frames, and the detector's
+// peak memory.
 //
-// Several passes run over all frames; a frame's time is its median over the passes. The first pass is a warm-up. The first
-// frame of a pass follows the last frame of the pass before, so the scene jumps there. Kinds of measurements:
+// Several passes run over all frames; a frame's time is its median over the passes. The first pass is a warm-up. The
+// first frame of a pass follows the last frame of the pass before, so the scene jumps there. Kinds of measurements:
 //   warm     one detector; centres are warm-started from the frame before
-//   cold     one detector, which searches two other scenes, one of them larger, before each timed frame. They have other
+//   cold     one detector, which searches two other scenes, one of them larger, before each timed frame. They have
+//   other
 //            numbers of clusters, so centres start anew, while buffers stay allocated
 //   fixed    one detector without iterations of the clustering: the centres of the first frame for all frames
 //   new      a new detector for each frame; the time includes making and destroying it
@@ -88,8 +90,8 @@ bool same_clusters(const Run& a, const Run& b) {
     return std::ranges::equal(a.last, b.last, {}, &Statistics::members, &Statistics::members);
 }
 
-/// Measures all kinds over up to `most` passes; fewer if they would take longer than `budget` seconds, but at least one,
-/// after a pass as a warm-up.
+/// Measures all kinds over up to `most` passes; fewer if they would take longer than `budget` seconds, but at least
+/// one, after a pass as a warm-up.
 nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     const std::size_t frames = sequence.frames.size();
     struct Kind {
@@ -172,8 +174,9 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     return row;
 }
 
-/// Measures peers on some frames of the sequence; calls each way of a peer on each frame until twice the slice of time is
-/// spent. Prints and returns the way of each peer that is the fastest over all these frames, if it supports all of them.
+/// Measures peers on some frames of the sequence; calls each way of a peer on each frame until twice the slice of time
+/// is spent. Prints and returns the way of each peer that is the fastest over all these frames, if it supports all of
+/// them.
 nlohmann::json peers_on(const Sequence& sequence, const std::vector<std::size_t>& frames, const Effort& effort) {
     struct Way {
         std::string name, way, computes;

@@ -1,5 +1,5 @@
-// Study of the time of each stage and of the pairs left by each filter. It uses one thread, so that the stages' times add up
-// to the time of the call, except for a few per cent that are spent between stages.
+// Study of the time of each stage and of the pairs left by each filter. It uses one thread, so that the stages' times
+// add up to the time of the call, except for a few per cent that are spent between stages.
 
 #include <fmt/format.h>
 

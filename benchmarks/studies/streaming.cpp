@@ -1,5 +1,5 @@
-// Study of Detector::stream, which delivers the result in blocks of rows, compared with Detector::find, which returns all rows
-// at once: time, and the detector's peak memory.
+// Study of Detector::stream, which delivers the result in blocks of rows, compared with Detector::find, which returns
+// all rows at once: time, and the detector's peak memory.
 
 #include <fmt/format.h>
 

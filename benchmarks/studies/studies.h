@@ -28,8 +28,8 @@ struct Study {
 /// Returns every study, in the order in which they run.
 std::span<const Study> studies();
 
-/// Returns the scenes that the user named. If there are none, returns the default scenes of a study: `real` if the folder of
-/// the scenes' files exists, else `procedural`, and only the first two of them in a quick run.
+/// Returns the scenes that the user named. If there are none, returns the default scenes of a study: `real` if the
+/// folder of the scenes' files exists, else `procedural`, and only the first two of them in a quick run.
 std::vector<std::string> choose_scenes(const StudySettings& settings, std::vector<std::string> real,
                                        std::vector<std::string> procedural);
 

@@ -1,7 +1,8 @@
-// Study of the number of clusters. [MZ] (the paper that the library follows: ARCHITECTURE.md) sec. 6.1 splits a scene into two
-// clusters, or four if objects are far apart, and sweeps each of them as a whole. The library splits clusters further, down to
-// leaves that fit into a cache. Both ways run the same code, with different options. The study also compares the size of a
-// list of all overlapping intervals, which [MZ] fig. 2 allocates, with the detector's peak memory.
+// Study of the number of clusters. [MZ] (the paper that the library follows: ARCHITECTURE.md) sec. 6.1 splits a scene
+// into two clusters, or four if objects are far apart, and sweeps each of them as a whole. The library splits clusters
+// further, down to leaves that fit into a cache. Both ways run the same code, with different options. The study also
+// compares the size of a list of all overlapping intervals, which [MZ] fig. 2 allocates, with the detector's peak
+// memory.
 
 #include <fmt/format.h>
 

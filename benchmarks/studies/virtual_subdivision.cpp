@@ -1,11 +1,11 @@
-// Study of virtual subdivision, the remedy of [MZ] 5.1 (the paper that the library follows: ARCHITECTURE.md) for triangles of
-// very different size: pieces of large triangles replace them in clustering, sorting and sweeping.
+// Study of virtual subdivision, the remedy of [MZ] 5.1 (the paper that the library follows: ARCHITECTURE.md) for
+// triangles of very different size: pieces of large triangles replace them in clustering, sorting and sweeping.
 //
-// Here the pieces are real triangles, made by longest-edge bisection, so that the library's code sweeps them. Pieces of one
-// triangle have the same group, and pairs within a group are left out. The figures are the time of all stages up to `sweep`,
-// and the number of overlapping boxes that it finds. Virtual subdivision would have these costs, and would then have to remove
-// repeated pairs of triangles before it decides them. So cutting pays only if one of the two figures falls by more than the
-// other rises.
+// Here the pieces are real triangles, made by longest-edge bisection, so that the library's code sweeps them. Pieces of
+// one triangle have the same group, and pairs within a group are left out. The figures are the time of all stages up to
+// `sweep`, and the number of overlapping boxes that it finds. Virtual subdivision would have these costs, and would
+// then have to remove repeated pairs of triangles before it decides them. So cutting pays only if one of the two
+// figures falls by more than the other rises.
 
 #include <fmt/format.h>
 
@@ -49,8 +49,8 @@ std::vector<Corners> corners_of(const io::TriangleMesh& mesh) {
     return triangles;
 }
 
-/// Returns the pieces of all triangles, with no edge longer than `longest`. A piece's group is the number of its triangle.
-/// Empty if there are more pieces than most_pieces allows.
+/// Returns the pieces of all triangles, with no edge longer than `longest`. A piece's group is the number of its
+/// triangle. Empty if there are more pieces than most_pieces allows.
 io::TriangleMesh cut(const std::vector<Corners>& triangles, double longest) {
     io::TriangleMesh pieces;
     auto& xyz = pieces.vertices.emplace<std::vector<float>>();
@@ -132,8 +132,8 @@ nlohmann::json study_virtual_subdivision(const StudySettings& settings) {
                             {"until_sweep", to_json(cost.until_sweep)}});
         };
         add("uncut", workload.triangle_count(), cost_of(workload.a, {}, settings.effort));
-        // Welds vertices, so that adjacent pieces are recognised as such and skipped. This changes only the time of `narrow`,
-        // which is not measured.
+        // Welds vertices, so that adjacent pieces are recognised as such and skipped. This changes only the time of
+        // `narrow`, which is not measured.
         const IntersectionQuery apart{
             .neighbours = Neighbours::skip, .weld = true, .filter = {.groups = PairScope::between}};
         for (int halvings = 1; halvings <= (settings.quick ? 3 : 12); ++halvings) {

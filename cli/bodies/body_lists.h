@@ -24,8 +24,8 @@ struct BodyList {
     Statistics statistics = {};
 };
 
-/// Colliding pairs of bodies in many configurations (a configuration is a pose for each body). Without pairs, only flags
-/// that say which configurations collide.
+/// Colliding pairs of bodies in many configurations (a configuration is a pose for each body). Without pairs, only
+/// flags that say which configurations collide.
 struct ConfigurationList {
     const std::vector<std::string>& names;
     bool has_pairs = true;
@@ -40,15 +40,16 @@ struct ConfigurationList {
     std::int64_t colliding() const;
 };
 
-/// Writes a list. txt: two names per line, separated by a tab, quoted by quoted_name(); csv: columns `first,second`; json:
-/// an object with `bodies`, `pairs`, `milliseconds`. If the list has_inside, lines of txt end with a tab and "inside" for
-/// pairs in which one body lies inside the other, csv has a third column of 1 and 0, and json a list of true and false.
+/// Writes a list. txt: two names per line, separated by a tab, quoted by quoted_name(); csv: columns `first,second`;
+/// json: an object with `bodies`, `pairs`, `milliseconds`. If the list has_inside, lines of txt end with a tab and
+/// "inside" for pairs in which one body lies inside the other, csv has a third column of 1 and 0, and json a list of
+/// true and false.
 void write_list(std::ostream& out, const BodyList& list, ListFormat format);
 
-/// Writes one row per configuration. txt: number of the configuration, yes or no for a collision, and number of colliding
-/// pairs, as in "0 yes 2"; csv: columns `configuration,collides,pairs`, with 1 and 0 for yes and no; json: an object with
-/// `bodies`, `configurations`, `milliseconds`. If the list has_inside, txt and csv also have a column with the number of
-/// pairs in which one body lies inside the other, and json has a list of flags for each configuration.
+/// Writes one row per configuration. txt: number of the configuration, yes or no for a collision, and number of
+/// colliding pairs, as in "0 yes 2"; csv: columns `configuration,collides,pairs`, with 1 and 0 for yes and no; json: an
+/// object with `bodies`, `configurations`, `milliseconds`. If the list has_inside, txt and csv also have a column with
+/// the number of pairs in which one body lies inside the other, and json has a list of flags for each configuration.
 void write_list(std::ostream& out, const ConfigurationList& list, ListFormat format);
 
 }  // namespace crumple::cli

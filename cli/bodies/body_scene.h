@@ -27,8 +27,8 @@ struct BodyOptions {
     void add_files(std::vector<std::string>& files) const;
 };
 
-/// Returns `condition` followed by `help`, the help of an option. If `condition` is empty, the help begins with a capital
-/// letter.
+/// Returns `condition` followed by `help`, the help of an option. If `condition` is empty, the help begins with a
+/// capital letter.
 std::string help_under(const std::string& condition, std::string help);
 
 /// Parts of the help of these options that differ between commands.

@@ -24,7 +24,8 @@ OverlapQuery query_of(const OverlapOptions& options, Output output, const BodySc
     return query;
 }
 
-/// Format of the sentence for each OverlapRelation but `undefined`, such as "a and b touch". The arguments are the names.
+/// Format of the sentence for each OverlapRelation but `undefined`, such as "a and b touch". The arguments are the
+/// names.
 constexpr std::array<const char*, 5> sentences{"{} and {} touch", "{} and {} overlap", "{} lies inside {}",
                                                "{1} lies inside {0}", "{} and {} fill the same space"};
 /// Index in `kind_words` of each OverlapRelation but `undefined`.

@@ -29,8 +29,8 @@ struct Convert {
         return world;
     }
 
-    /// Joins the posed bodies of a scene into one mesh. A single body with the identity pose is returned unchanged, with
-    /// its polygons.
+    /// Joins the posed bodies of a scene into one mesh. A single body with the identity pose is returned unchanged,
+    /// with its polygons.
     static io::TriangleMesh one_mesh(io::WorldMesh world) {
         const bool in_place = world.bodies.size() == 1 && world.bodies[0].pose == Pose{};
         if (!in_place) {

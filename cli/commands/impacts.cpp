@@ -24,7 +24,8 @@ struct ImpactsCommand : SearchCommand {
     bool triangle_pairs = false, lists_candidates = false, first = false;
     MotionOptions motion;
     CandidateOptions candidates;
-    std::vector<const CLI::Option*> of_impacts, of_candidates;  ///< options that apply to impacts only, to candidates only
+    std::vector<const CLI::Option*> of_impacts,
+        of_candidates;  ///< options that apply to impacts only, to candidates only
 
     int run() const {
         check_lists();

@@ -251,8 +251,8 @@ struct Info {
         return extension == ".glb" || extension == ".gltf" || extension == ".3mf";
     }
 
-    /// Prints the numbers of bodies, shapes and triangles, and the unit. The caller then prints each body, in the order in
-    /// which --poses of other commands expects their poses.
+    /// Prints the numbers of bodies, shapes and triangles, and the unit. The caller then prints each body, in the order
+    /// in which --poses of other commands expects their poses.
     static void print_bodies(Printer& printer, const io::WorldMesh& world) {
         printer.row("bodies", grouped(std::ssize(world.bodies)));
         printer.row("shapes", grouped(std::ssize(world.shapes)));

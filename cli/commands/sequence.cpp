@@ -1,8 +1,8 @@
 // crumple sequence: searches the frames of an animation one after another, with one warm-started detector.
 //
-// Tables have a row for each frame, or for each step from one frame to the next. Coloured frames are written as one file
-// per frame, or as one animation. After Ctrl-C, tables and animations have the frames searched so far. After an error,
-// files of tables and animations remain as they were before.
+// Tables have a row for each frame, or for each step from one frame to the next. Coloured frames are written as one
+// file per frame, or as one animation. After Ctrl-C, tables and animations have the frames searched so far. After an
+// error, files of tables and animations remain as they were before.
 
 #include <algorithm>
 #include <csignal>
@@ -50,7 +50,8 @@ struct Sequence {
         if (!outputs.empty() || !format.empty()) check_format(outputs, format);
         std::vector<Table> tables;
         std::vector<std::string> pictures;
-        std::string standard = outputs.empty() ? (json ? ".json" : ".csv") : "";  // extension of standard output; empty: not used
+        std::string standard =
+            outputs.empty() ? (json ? ".json" : ".csv") : "";  // extension of standard output; empty: not used
         for (const std::string& path : outputs) {
             const std::string extension = extension_of(path, format);
             const bool table = extension == ".csv" || extension == ".json";

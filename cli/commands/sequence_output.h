@@ -24,8 +24,8 @@ class Table {
     /// Writes to a stream, which must outlive the table.
     Table(std::ostream& out, bool json, bool impacts) : out_(&out), json_(json), impacts_(impacts) {}
 
-    /// Adds a row. `first`: first impact of a step; ignored if rows are frames. Throws Error (file) if the file cannot be
-    /// created.
+    /// Adds a row. `first`: first impact of a step; ignored if rows are frames. Throws Error (file) if the file cannot
+    /// be created.
     void add(const std::string& frame, const Statistics& statistics, const FirstImpact& first = {});
     /// True if all rows so far could be written.
     bool well() const { return !out_ || *out_; }
@@ -48,8 +48,8 @@ class Table {
 /// animation, which finish() writes. Throws as io::write_coloured and io::ColouredAnimation do.
 class Pictures {
    public:
-    /// `outputs`: paths of .ply, .obj and .glb files. `stream`: also receives an animation; may be null, otherwise it must
-    /// outlive this object. `frames`: number of frames, which determines the digits of file numbers.
+    /// `outputs`: paths of .ply, .obj and .glb files. `stream`: also receives an animation; may be null, otherwise it
+    /// must outlive this object. `frames`: number of frames, which determines the digits of file numbers.
     Pictures(const std::vector<std::string>& outputs, std::ostream* stream, std::size_t frames);
 
     void add(const Input& input, const Intersections& found);

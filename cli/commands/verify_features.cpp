@@ -29,7 +29,8 @@ struct Wrong {
     FeatureRow listed, right;
 };
 
-/// Words for messages about one kind of list: what is listed, and adjectives for values that are too large or too small.
+/// Words for messages about one kind of list: what is listed, and adjectives for values that are too large or too
+/// small.
 struct Words {
     const char *what, *larger, *smaller;
     bool flags;  ///< lists in .txt have flags, so wrong flags are reported
@@ -82,8 +83,8 @@ int print_verdict(const io::CandidateRows& list, const io::CandidateRows& right_
     return right ? done : collided;
 }
 
-/// Reads a list by read_file(path), or by read_stream(in, name) if it comes from standard input. Checks that `format` is
-/// given only for standard input, and that ids name files if and only if there are two.
+/// Reads a list by read_file(path), or by read_stream(in, name) if it comes from standard input. Checks that `format`
+/// is given only for standard input, and that ids name files if and only if there are two.
 template <class ReadFile, class ReadStream>
 auto read_list(const std::string& path, const std::string& format, bool two_files, ReadFile read_file,
                ReadStream read_stream) {

@@ -25,8 +25,8 @@ struct WrongOverlap {
 /// True if both numbers are equal, or both are NaN. Ignores the sign of 0, which is lost in JSON.
 bool is_same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// Describes the first quantity that differs, with the listed and the right number: "volume 0.5, it is 0.25". Returns an
-/// empty text if none differs.
+/// Describes the first quantity that differs, with the listed and the right number: "volume 0.5, it is 0.25". Returns
+/// an empty text if none differs.
 std::string difference(const WrongOverlap& row) {
     std::size_t place = 0;
     for (const io::OverlapQuantity& quantity : io::overlap_quantities) {

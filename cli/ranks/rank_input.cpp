@@ -20,9 +20,9 @@ struct SharedMesh : io::MeshSlice {
     std::optional<io::TriangleMesh> end;
 };
 
-/// Collective. Reads one block of a file on each rank. Returns nothing on all ranks if some rank cannot read the file in
-/// slices: because the file has another format or is a pipe, or because not all ranks can open it. Throws the same Error
-/// on all ranks if a block has an error.
+/// Collective. Reads one block of a file on each rank. Returns nothing on all ranks if some rank cannot read the file
+/// in slices: because the file has another format or is a pipe, or because not all ranks can open it. Throws the same
+/// Error on all ranks if a block has an error.
 std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file, const QueryOptions& query_options,
                                         bool for_features) {
     std::optional<io::MeshSlice> slice;
@@ -45,8 +45,8 @@ std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file,
     return slice;
 }
 
-/// Collective. Reads all files in slices. Returns nothing if that is impossible for one of them, or if the two files of a
-/// step do not match: rank 0 then reads both and reports why.
+/// Collective. Reads all files in slices. Returns nothing if that is impossible for one of them, or if the two files of
+/// a step do not match: rank 0 then reads both and reports why.
 std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::string>& files, QueryOptions query_options,
                                       bool for_features) {
     std::optional<io::MeshSlice> slice = read_slice(link, files[0], query_options, for_features);
@@ -89,8 +89,8 @@ SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, 
     return mesh;
 }
 
-/// Returns the ids of the vertices that a rank needs, ascending: the vertices [begin, end) of its own block, so that every
-/// vertex is on some rank, and the corners of its triangles.
+/// Returns the ids of the vertices that a rank needs, ascending: the vertices [begin, end) of its own block, so that
+/// every vertex is on some rank, and the corners of its triangles.
 std::vector<std::int64_t> numbers_of_vertices(std::span<const std::int32_t> corners, std::int64_t begin,
                                               std::int64_t end) {
     std::vector<std::int64_t> named, block(static_cast<std::size_t>(end - begin)), all;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Communication between the ranks (MPI processes) of the command line: over a communicator of its own, with the transport
-// classes that the search uses.
+// Communication between the ranks (MPI processes) of the command line: over a communicator of its own, with the
+// transport classes that the search uses.
 
 #include <cstddef>
 #include <cstdint>
@@ -29,8 +29,8 @@ class RankLink {
     bool is_first() const { return rank() == 0; }
     distribute::Rounds& rounds() { return rounds_; }
 
-    /// Collective error check: runs work() on each rank. If it throws on any rank, throws the same Error on all ranks. Use
-    /// it for all work that may fail on one rank only, because the other ranks would wait for that rank forever.
+    /// Collective error check: runs work() on each rank. If it throws on any rank, throws the same Error on all ranks.
+    /// Use it for all work that may fail on one rank only, because the other ranks would wait for that rank forever.
     template <class Work>
     void agree(Work work) {
         agreement_(Phase::input, std::move(work));
@@ -43,8 +43,8 @@ class RankLink {
     /// Returns the `text` of rank 0 on all ranks.
     std::string text_of_first(std::string text);
 
-    /// Sends row i, which is `width` values, to rank rank_of(i). Returns the received rows in the order of the ranks that
-    /// sent them; rows from one rank stay in their order.
+    /// Sends row i, which is `width` values, to rank rank_of(i). Returns the received rows in the order of the ranks
+    /// that sent them; rows from one rank stay in their order.
     template <class Values, class RankOf>
     auto redistribute(const Values& values, RankOf rank_of, std::size_t width = 1) {
         using Value = std::decay_t<decltype(values[std::size_t{0}])>;

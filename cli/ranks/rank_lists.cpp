@@ -29,7 +29,8 @@ struct TravellingRow {
 };
 using RowsByKind = std::array<std::vector<TravellingRow>, feature_kinds>;
 
-/// Returns the rows that this rank has found. `value`, `flag`: pointers to the members of a list with its values and flags.
+/// Returns the rows that this rank has found. `value`, `flag`: pointers to the members of a list with its values and
+/// flags.
 template <auto value, auto flag, class Found>
 std::vector<TravellingRow> rows_of(const Found& found, std::size_t kind) {
     const auto ends_of = [ids = found.edge_ids.span(), &found](std::int32_t edge) {
@@ -51,9 +52,9 @@ std::vector<TravellingRow> rows_of(const Found& found, std::size_t kind) {
     return rows;
 }
 
-/// Collective. Sorts the rows of all ranks together. A rank has found the rows whose first feature its triangles own, but
-/// lists are in the order of feature ids. So rows are redistributed: each rank gets the rows whose first feature is in
-/// its range of ids.
+/// Collective. Sorts the rows of all ranks together. A rank has found the rows whose first feature its triangles own,
+/// but lists are in the order of feature ids. So rows are redistributed: each rank gets the rows whose first feature is
+/// in its range of ids.
 template <auto value, auto flag, class Found>
 RowsByKind rows_in_order(RankLink& link, const Found& found) {
     RowsByKind by_kind;

@@ -12,8 +12,8 @@
 
 namespace crumple::cli {
 
-/// Rows of a result that this rank writes, in the order of the whole list. Refers to the input and the result, which must
-/// outlive it.
+/// Rows of a result that this rank writes, in the order of the whole list. Refers to the input and the result, which
+/// must outlive it.
 template <class Result>
 struct RankList {
     io::RowTable table;

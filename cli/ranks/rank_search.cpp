@@ -44,8 +44,8 @@ void check_options(const SearchCommand& command) {
     check_cost_options(command.options);
 }
 
-/// Returns the error without "rank 3: " in its message if the rank does not matter: for errors of rank 0, which does what
-/// a single process would do, and for errors in a file's contents, which do not depend on the rank.
+/// Returns the error without "rank 3: " in its message if the rank does not matter: for errors of rank 0, which does
+/// what a single process would do, and for errors in a file's contents, which do not depend on the rank.
 Error as_of_one_process(const Error& error) {
     const std::string who = "rank " + std::to_string(error.rank) + ": ", message = error.what();
     if (!message.starts_with(who) || (error.rank > 0 && error.code != ErrorCode::format)) return error;
@@ -55,7 +55,8 @@ Error as_of_one_process(const Error& error) {
     return plain;
 }
 
-/// Prints the message and aborts all ranks. For errors that were thrown on this rank only: the others would wait forever.
+/// Prints the message and aborts all ranks. For errors that were thrown on this rank only: the others would wait
+/// forever.
 [[noreturn]] void abort_all_ranks(const char* message, int status) {
     be_silent(false);
     print_error(message);

@@ -42,8 +42,8 @@ class RankTexts {
         std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
     }
 
-    /// Collective. Sends all texts to rank 0, in the order of the file, and rank 0 writes them to `out`. Does not throw if
-    /// writing fails: check the state of `out`.
+    /// Collective. Sends all texts to rank 0, in the order of the file, and rank 0 writes them to `out`. Does not throw
+    /// if writing fails: check the state of `out`.
     void write_by_first(std::ostream& out) const {
         for (std::size_t section = 0; section < texts_.size(); ++section)
             for (int rank = 0; rank < link_.ranks(); ++rank) {

@@ -1,14 +1,14 @@
 #pragma once
 
-// Ranks: MPI processes that a launcher has started, which search together. A process runs alone if no launcher has started
-// it, or if the build has no CRUMPLE_MPI (ranks_none.cpp).
+// Ranks: MPI processes that a launcher has started, which search together. A process runs alone if no launcher has
+// started it, or if the build has no CRUMPLE_MPI (ranks_none.cpp).
 
 #include <string>
 
 namespace crumple::cli {
 
-/// Initialises MPI in its constructor, finalises it in its destructor, and suppresses the output of all ranks but rank 0.
-/// Create one at the beginning of the program.
+/// Initialises MPI in its constructor, finalises it in its destructor, and suppresses the output of all ranks but rank
+/// 0. Create one at the beginning of the program.
 class Ranks {
    public:
     Ranks(int& argument_count, char**& arguments);

@@ -14,8 +14,8 @@
 
 namespace crumple::python {
 
-/// Throws InvalidType with the argument's name, what it must be, and the type of `value`: "weld must be True or False, not
-/// str".
+/// Throws InvalidType with the argument's name, what it must be, and the type of `value`: "weld must be True or False,
+/// not str".
 [[noreturn]] void refuse_type(std::string_view argument, std::string_view wanted, nanobind::handle value);
 
 /// Returns a bool of Python or NumPy.

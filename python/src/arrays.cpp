@@ -167,8 +167,8 @@ nb::object call_dlpack(const nb::object& method, const nb::dict& named) {
     return nb::steal(in_python([&] { return PyObject_Call(method.ptr(), none.ptr(), named.ptr()); }));
 }
 
-// Calls __dlpack__. If that raises BufferError, as for a read-only array, calls it again with max_version: only capsules
-// of DLPack 1.0 can describe read-only arrays.
+// Calls __dlpack__. If that raises BufferError, as for a read-only array, calls it again with max_version: only
+// capsules of DLPack 1.0 can describe read-only arrays.
 nb::object call_dlpack_of_any_version(const nb::object& method, nb::dict named) {
     nb::object capsule = call_dlpack(method, named);
     if (capsule || !PyErr_ExceptionMatches(PyExc_BufferError)) return capsule;
@@ -181,8 +181,8 @@ nb::object call_dlpack_of_any_version(const nb::object& method, nb::dict named) 
 }
 
 // Returns the capsule that __dlpack__ makes; an array in CUDA memory is then ready on the stream of `argument`. If
-// __dlpack__ raises, returns null for an array in host memory, which may be readable by other means, and raises an error
-// for one in CUDA memory. nanobind is not used for the call: it would pass no stream, and not use in_python().
+// __dlpack__ raises, returns null for an array in host memory, which may be readable by other means, and raises an
+// error for one in CUDA memory. nanobind is not used for the call: it would pass no stream, and not use in_python().
 nb::object capsule_of(const nb::object& method, const Argument& argument, bool in_cuda_memory) {
     nb::dict named;
     if (in_cuda_memory) named["stream"] = dlpack_stream(argument.stream);
@@ -199,8 +199,8 @@ bool lies_in_cuda_memory(nb::handle object) {
     return call_python("crumple._arrays", "lies_in_cuda_memory", {object}).is(Py_True);
 }
 
-// Borrows an array through DLPack, or returns false if that is not possible. `object` may also be a bare capsule, which has
-// no __dlpack__: if its array is in CUDA memory, the Python caller must have synchronized it.
+// Borrows an array through DLPack, or returns false if that is not possible. `object` may also be a bare capsule, which
+// has no __dlpack__: if its array is in CUDA memory, the Python caller must have synchronized it.
 bool borrow_dlpack(nb::handle object, const Argument& argument, BorrowedArray& result, Kept& kept) {
     using Tensor = nb::ndarray<nb::ro>;
     Tensor tensor;
@@ -294,8 +294,8 @@ BorrowedMesh::BorrowedMesh(const nb::tuple& mesh, const char* which, void* strea
     if (mesh[2].is_none()) return;
     groups_ = borrow_array(mesh[2], are_groups, {"groups", which, stream}, kept_);
     check_place(groups_, std::string(which) + "groups", device());
-    // To the library an empty span means no groups. So an empty array must not pass for a mesh with faces; for no groups,
-    // the caller passes None.
+    // To the library an empty span means no groups. So an empty array must not pass for a mesh with faces; for no
+    // groups, the caller passes None.
     if (groups_.shape[0] != view_.triangles.rows)
         refuse(std::string(which) + "groups must be one for each of the " + std::to_string(view_.triangles.rows) +
                " faces, not " + std::to_string(groups_.shape[0]));

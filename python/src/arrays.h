@@ -4,8 +4,8 @@
 //
 // These arrays are read in place: NumPy arrays, and anything that supports DLPack, in host or CUDA memory, with any
 // strides. Vertices must be (n, 3) float32 or float64; faces (m, 3) or flat (3m) int32, uint32 or int64; groups (m)
-// contiguous int32; for poses see borrow_poses(). Other arrays go through crumple/_arrays.py, which converts them without
-// loss or raises an error that names the array.
+// contiguous int32; for poses see borrow_poses(). Other arrays go through crumple/_arrays.py, which converts them
+// without loss or raises an error that names the array.
 //
 // "Borrowed" types are such views, together with what keeps the memory of the arrays alive.
 //
@@ -51,12 +51,12 @@ void import_numpy();
 inline constexpr const char* copy_to_host =
     "copy them to the host (PyTorch: .cpu(), CuPy: .get(), JAX: jax.device_get, Warp: .numpy())";
 
-// `stream` in the constructors below is the CUDA stream on which arrays in CUDA memory must be ready. The package that owns
-// an array ensures this: its __dlpack__(stream=...) makes `stream` wait for the package's current stream. Null is the
-// legacy default stream, as in MeshView::stream. Arrays in host memory need no stream.
+// `stream` in the constructors below is the CUDA stream on which arrays in CUDA memory must be ready. The package that
+// owns an array ensures this: its __dlpack__(stream=...) makes `stream` wait for the package's current stream. Null is
+// the legacy default stream, as in MeshView::stream. Arrays in host memory need no stream.
 
-/// Returns the value of `stream` that means no stream, so that no stream has to wait. For arrays of which only the shape is
-/// read.
+/// Returns the value of `stream` that means no stream, so that no stream has to wait. For arrays of which only the
+/// shape is read.
 inline void* no_stream() { return reinterpret_cast<void*>(~std::uintptr_t{0}); }  // NOLINT(performance-no-int-to-ptr)
 
 /// View of a crumple.Mesh. Construct and destroy it with the GIL; reading it needs no GIL.
@@ -108,8 +108,8 @@ class BorrowedLists {
     std::optional<std::span<const std::int32_t>> points_;
 };
 
-/// View of the radii of a mesh's vertices, one float64 each. The array must be in the same memory as the mesh, and is ready
-/// on the mesh's stream.
+/// View of the radii of a mesh's vertices, one float64 each. The array must be in the same memory as the mesh, and is
+/// ready on the mesh's stream.
 class BorrowedRadii {
    public:
     BorrowedRadii(nanobind::handle radii, const BorrowedMesh& mesh, const char* which = "");
@@ -123,8 +123,8 @@ class BorrowedRadii {
 /// View of the ids, over all ranks, of the triangles, vertices or bodies of one rank: (n) int64 in host memory.
 class BorrowedIds {
    public:
-    /// `ids` may be None. `what`: "triangle", "vertex" or "body", for messages. The last argument is the required number of
-    /// ids; throws Error if there are more or fewer.
+    /// `ids` may be None. `what`: "triangle", "vertex" or "body", for messages. The last argument is the required
+    /// number of ids; throws Error if there are more or fewer.
     BorrowedIds(nanobind::handle ids, const char* what, std::int64_t wanted);
     std::span<const std::int64_t> view() const { return view_; }
 

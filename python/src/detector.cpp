@@ -58,8 +58,8 @@ SharedDetector::Turn::~Turn() {
     detector_.call_done_.notify_one();
 }
 
-// Waits until another call may have ended. Cannot miss the end of a Turn: a Turn ends in a thread that has the GIL, and this
-// function releases the GIL only while it holds the mutex, so calls_done_ cannot change before the wait begins.
+// Waits until another call may have ended. Cannot miss the end of a Turn: a Turn ends in a thread that has the GIL, and
+// this function releases the GIL only while it holds the mutex, so calls_done_ cannot change before the wait begins.
 void SharedDetector::wait_for_another_call() {
     ++waiting_;
     {

@@ -39,8 +39,8 @@ class SharedDetector {
         SharedDetector& detector_;
     };
 
-    /// Runs a query. Call find() and the functions up to call() while a Turn exists, without the GIL. In the main thread,
-    /// Python's signal handlers run while a call runs or waits; an exception from a handler ends the call.
+    /// Runs a query. Call find() and the functions up to call() while a Turn exists, without the GIL. In the main
+    /// thread, Python's signal handlers run while a call runs or waits; an exception from a handler ends the call.
     ///
     /// `result` comes from storage(). It is swapped into the detector, which fills it, and swapped back, so it outlives
     /// the detector and the next call.
@@ -62,9 +62,9 @@ class SharedDetector {
     std::vector<Part> partition(const Scene& scene, const Query& query, int count) {
         return detector_.partition(scene, query, count, stop_->get_token());
     }
-    /// Returns the result of stream(detector, sink, stop), which must call `sink` for each block. `sink` calls `take` with
-    /// the GIL, in whichever thread of the library calls it. While `take` runs, calls of the detector from this thread are
-    /// refused, as are those from the thread of the call.
+    /// Returns the result of stream(detector, sink, stop), which must call `sink` for each block. `sink` calls `take`
+    /// with the GIL, in whichever thread of the library calls it. While `take` runs, calls of the detector from this
+    /// thread are refused, as are those from the thread of the call.
     template <class Block, class Stream>
     Statistics stream(FunctionRef<void(const Block&)> take, Stream stream) {
         const auto with_gil = [&](const Block& block) {
@@ -140,7 +140,8 @@ class SharedDetector {
     std::condition_variable call_done_;
 };
 
-/// Returns the detector that a method is called on. Throws Error if it was not constructed, because a subclass did not call
+/// Returns the detector that a method is called on. Throws Error if it was not constructed, because a subclass did not
+/// call
 /// __init__.
 SharedDetector& detector_of(nanobind::handle self);
 

@@ -82,8 +82,8 @@ bool is_requested(nb::handle result, const char* options, std::string_view item)
     return nb::cast<bool>(requested.attr("__contains__")(nb::str(item.data(), item.size())));
 }
 
-// Returns the storage of a crumple.Impacts, crumple.Proximities or crumple.Candidates: the library's own result or, for an
-// unpickled object, a new one that read_feature_lists(found, result) fills.
+// Returns the storage of a crumple.Impacts, crumple.Proximities or crumple.Candidates: the library's own result or, for
+// an unpickled object, a new one that read_feature_lists(found, result) fills.
 template <class Result, class Take>
 std::shared_ptr<const Result> storage_of(nb::handle result, Take read_feature_lists) {
     const nb::object found = result.attr("_found");
@@ -131,7 +131,8 @@ std::shared_ptr<const Candidates> candidates_of(nb::handle result) {
 
 }  // namespace
 
-// Binds writers of results. With a mesh they write the mesh, coloured by the result; without one, the rows of the result.
+// Binds writers of results. With a mesh they write the mesh, coloured by the result; without one, the rows of the
+// result.
 void bind_feature_files(nb::module_& module) {
     module.def(
         "write_impacts",

@@ -156,8 +156,8 @@ int last_frame(std::string_view scene) {
 
 }  // namespace
 
-// Cuts quadrilaterals (k, 4) into triangles (2k, 3), in the same way as the readers of files. A quadrilateral becomes a fan
-// if it crosses itself, or if a corner is not finite or not a vertex; a search then reports the bad corner.
+// Cuts quadrilaterals (k, 4) into triangles (2k, 3), in the same way as the readers of files. A quadrilateral becomes a
+// fan if it crosses itself, or if a corner is not finite or not a vertex; a search then reports the bad corner.
 nb::object cut_quadrilaterals(
     const nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>& points,
     const nb::ndarray<const std::int64_t, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>& quads) {

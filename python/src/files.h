@@ -25,8 +25,9 @@ nanobind::object name_of_unit(io::Unit unit);
 /// Converts text to a Python str. Bytes that are not valid UTF-8, as file names may have, become escapes such as \x80.
 nanobind::object shown(const std::string& text);
 
-/// Returns whether the process waits at exit until the file at this path is written. It waits for a regular file, so that
-/// no temporary file is left. Other targets, such as pipes, have no temporary file, and writing them may never end.
+/// Returns whether the process waits at exit until the file at this path is written. It waits for a regular file, so
+/// that no temporary file is left. Other targets, such as pipes, have no temporary file, and writing them may never
+/// end.
 WithoutGil::AtExit at_exit(const std::filesystem::path& written);
 
 void bind_files(nanobind::module_& module);

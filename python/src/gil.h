@@ -4,8 +4,8 @@
 //
 // A daemon thread that waits for the GIL when the interpreter ends never gets it. CPython up to 3.13 unwinds the
 // thread's stack (pthread_exit), which ends the process at the first noexcept function, and destroys Python objects
-// without the GIL. From CPython 3.14 on the thread hangs instead. The functions of this file make it hang in all versions:
-// in_python() does not let the unwinding pass.
+// without the GIL. From CPython 3.14 on the thread hangs instead. The functions of this file make it hang in all
+// versions: in_python() does not let the unwinding pass.
 
 #include <atomic>
 #include <cstdint>
@@ -24,9 +24,10 @@ namespace crumple::python {
 /// True if the interpreter is ending, so that no other thread gets the GIL any more. Call with the GIL.
 bool interpreter_ends();
 
-/// Returns the result of `call`, which must call a single function of Python's C API that may run Python code or wait for
-/// the GIL. If that function unwinds the stack instead of returning, this thread hangs. Objects that `call` destroys must
-/// not need the GIL. Not inlined: inside a noexcept function, compilers omit the destructor that makes the thread hang.
+/// Returns the result of `call`, which must call a single function of Python's C API that may run Python code or wait
+/// for the GIL. If that function unwinds the stack instead of returning, this thread hangs. Objects that `call`
+/// destroys must not need the GIL. Not inlined: inside a noexcept function, compilers omit the destructor that makes
+/// the thread hang.
 template <class Call>
 [[gnu::noinline]] std::invoke_result_t<Call> in_python(Call call) {
     struct Hanging {
@@ -58,8 +59,8 @@ class WithGil {
 /// Releases the GIL during its lifetime. Construct it with the GIL; its destructor reacquires it.
 class WithoutGil {
    public:
-    /// Wait of the process at exit for the work of this object. given_up: for at most a second. finished: until the work is
-    /// complete, so that no temporary file is left. In both cases the process first requests `stop`.
+    /// Wait of the process at exit for the work of this object. given_up: for at most a second. finished: until the
+    /// work is complete, so that no temporary file is left. In both cases the process first requests `stop`.
     enum class AtExit : std::uint8_t { given_up, finished };
 
     explicit WithoutGil(AtExit at_exit = AtExit::given_up, std::stop_source stop = std::stop_source(std::nostopstate));
@@ -70,8 +71,8 @@ class WithoutGil {
     /// False after the interpreter has ended, when the result of the work is of no use any more.
     bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
 
-    /// Makes the process wait at exit for all work in progress, as AtExit describes. Call once, when the extension module is
-    /// imported.
+    /// Makes the process wait at exit for all work in progress, as AtExit describes. Call once, when the extension
+    /// module is imported.
     static void watch_exit();
 
    private:
@@ -85,7 +86,8 @@ class WithoutGil {
     PyThreadState* state_;
 };
 
-/// Runs work() without the GIL and returns its result. `stop`: its stop is requested at exit, so `work` should watch it.
+/// Runs work() without the GIL and returns its result. `stop`: its stop is requested at exit, so `work` should watch
+/// it.
 template <class Work>
 auto without_gil(Work work, std::stop_source stop = std::stop_source(std::nostopstate)) {
     const WithoutGil released(WithoutGil::AtExit::given_up, std::move(stop));

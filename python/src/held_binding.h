@@ -26,8 +26,8 @@ class SharedBinding {
     void value(const std::string& name, Get get) {
         type_.def_prop_ro(name.c_str(), [get](const Held& held) { return get(held.found()); });
     }
-    /// Binds an array as a property. array_of(result) returns the array. `columns`: number of scalars of type Number in each
-    /// element, if there are several.
+    /// Binds an array as a property. array_of(result) returns the array. `columns`: number of scalars of type Number in
+    /// each element, if there are several.
     template <class Number, class ArrayOf, class... Columns>
     void array(const std::string& name, ArrayOf array_of, Columns... columns) {
         const auto show = [=](const Held& held) { return view<Number>(array_of(held.found()), columns...); };

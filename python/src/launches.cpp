@@ -31,8 +31,8 @@ void* stream_of(nb::handle address) {
     return reinterpret_cast<void*>(integer<std::uintptr_t>("stream", address));
 }
 
-// Converted arguments of a launch. SharedDetector::keep() keeps them alive until the second launch after this one, which
-// waits for this one if necessary.
+// Converted arguments of a launch. SharedDetector::keep() keeps them alive until the second launch after this one,
+// which waits for this one if necessary.
 template <class Query>
 struct Launched {
     Launched(const SharedDetector& detector, nb::handle scene, nb::handle query, nb::handle excluded, void* stream)

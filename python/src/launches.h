@@ -1,7 +1,7 @@
 #pragma once
 
-// Methods of a detector that launch a search on the device, whose result stays in device memory: _launch_impacts and so on.
-// Each returns a ticket, with which the caller waits for the result.
+// Methods of a detector that launch a search on the device, whose result stays in device memory: _launch_impacts and so
+// on. Each returns a ticket, with which the caller waits for the result.
 
 #include <nanobind/nanobind.h>
 

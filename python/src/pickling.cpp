@@ -95,15 +95,16 @@ void check_contacts(const Intersections& c, bool has_contacts) {
         for (const double coordinate : point) check(std::isfinite(coordinate), "points of contacts");
 }
 
-// Throws Error unless the rows are valid for a block of a stream. Blocks have no offsets and no hit flags, and their pairs
-// may be in any order.
+// Throws Error unless the rows are valid for a block of a stream. Blocks have no offsets and no hit flags, and their
+// pairs may be in any order.
 void check_block(const Intersections& c, bool one_soup) {
     check(c.offsets.empty(), "offsets");
     check(c.hit.empty() && c.hit_second.empty(), "hit");
     for (const Pair& pair : c.pairs) check(pair.a >= 0 && pair.b >= 0 && (!one_soup || pair.a < pair.b), "pairs");
 }
 
-// Throws Error unless pairs, offsets and hit flags fit together: all that writers and pictures rely on, except contacts.
+// Throws Error unless pairs, offsets and hit flags fit together: all that writers and pictures rely on, except
+// contacts.
 void check_fit(const Intersections& c, bool one_soup) {
     check(are_offsets(c.offsets, c.hit.size(), c.pairs.size()), "offsets");
     const auto seconds = static_cast<std::int64_t>((one_soup ? c.hit : c.hit_second).size());
@@ -122,8 +123,8 @@ void check_fit(const Intersections& c, bool one_soup) {
     check(std::equal(hit_second.begin(), hit_second.end(), c.hit_second.begin(), c.hit_second.end()), "hit_second");
 }
 
-// For results of parts, whose pairs contain ids of triangles in the whole mesh: replaces each id by its position in `ids`,
-// the part's list of ids. No effect without `ids`.
+// For results of parts, whose pairs contain ids of triangles in the whole mesh: replaces each id by its position in
+// `ids`, the part's list of ids. No effect without `ids`.
 void to_positions(const std::optional<Column<std::int32_t>>& ids, const Array<std::uint8_t>& hit,
                   std::int32_t Pair::*member, Array<Pair>& pairs) {
     if (!ids) return;

@@ -107,8 +107,8 @@ void read(nb::handle given, OverlapQuery& query) {
 
 bool is_constant(nb::handle value);
 
-// True if the values of all members of a dataclass but `filter` are constants. Attributes with a leading underscore are not
-// members.
+// True if the values of all members of a dataclass but `filter` are constants. Attributes with a leading underscore are
+// not members.
 bool is_frozen(nb::handle object) {
     for (const auto [name, value] : nb::cast<nb::dict>(object.attr("__dict__")))
         if (const std::string_view member = text("member", name);

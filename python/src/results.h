@@ -11,8 +11,8 @@
 
 namespace crumple::python {
 
-/// Result of the library: the storage of the Python class of the same name. NumPy views of its arrays keep this object alive.
-/// They do not keep the object of the Python class alive, which caches them; so there is no cycle.
+/// Result of the library: the storage of the Python class of the same name. NumPy views of its arrays keep this object
+/// alive. They do not keep the object of the Python class alive, which caches them; so there is no cycle.
 template <class Result>
 struct Shown {
     std::shared_ptr<Result> storage;

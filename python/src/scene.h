@@ -1,7 +1,7 @@
 #pragma once
 
-// Conversion of the scene and the query of a call. The scene is one of four kinds of Python objects, which crumple/_scene.py
-// makes from the arguments of the call.
+// Conversion of the scene and the query of a call. The scene is one of four kinds of Python objects, which
+// crumple/_scene.py makes from the arguments of the call.
 
 #include <memory>
 #include <optional>

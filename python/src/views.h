@@ -13,8 +13,8 @@
 
 namespace crumple::python {
 
-/// Returns a read-only NumPy view of an array. `columns`: number of scalars of type Number in each element, if there are
-/// several. The property that returns the view sets its owner, so the view itself keeps nothing alive.
+/// Returns a read-only NumPy view of an array. `columns`: number of scalars of type Number in each element, if there
+/// are several. The property that returns the view sets its owner, so the view itself keeps nothing alive.
 template <class Number, class Element, class... Columns>
 nanobind::ndarray<nanobind::numpy, const Number> view(const Array<Element>& array, Columns... columns) {
     import_numpy();

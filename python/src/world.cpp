@@ -28,8 +28,8 @@ T& instance(nb::handle given, const char* argument, const char* type) {
     return *nb::inst_ptr<T>(given);
 }
 
-// Constructs a T in a Python object, unless there is one. No Python code and no other thread runs between the check and the
-// construction, so __init__ cannot construct twice.
+// Constructs a T in a Python object, unless there is one. No Python code and no other thread runs between the check and
+// the construction, so __init__ cannot construct twice.
 template <class T, class... Arguments>
 void construct(nb::handle self, const char* type, Arguments&&... arguments) {
     if (nb::inst_ready(self)) refuse(std::string(type) + ".__init__ has been called already");
@@ -69,8 +69,8 @@ void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
-// Makes a world of configurations: the bodies of `of` that are in world 0 (the first ones), once per configuration, and then
-// the other bodies of `of`, which are static and in all worlds.
+// Makes a world of configurations: the bodies of `of` that are in world 0 (the first ones), once per configuration, and
+// then the other bodies of `of`, which are static and in all worlds.
 void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb::handle poses, nb::handle end_poses) {
     if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
     const BorrowedWorld& world = given_world(of);

@@ -14,8 +14,8 @@
 
 namespace crumple::python {
 
-/// View of a crumple.Shape: its mesh, its name (a number that Python assigns), its positions at the end of a step, its rest
-/// shape, radii, edges and points.
+/// View of a crumple.Shape: its mesh, its name (a number that Python assigns), its positions at the end of a step, its
+/// rest shape, radii, edges and points.
 struct BorrowedShape {
     /// `mesh` is (vertices, faces, groups or None), `lists` (edges or None, points or None); `end`, `radii` and `rest`
     /// may be None. `which` is the prefix of all messages.
@@ -41,23 +41,23 @@ struct Bodies {
 
     std::int64_t posed() const { return configurations * moving; }
     std::int64_t at_rest() const { return static_cast<std::int64_t>(bodies.size()) - posed(); }
-    /// Returns the number of moving bodies of one configuration plus the number of static bodies. Excluded pairs use these
-    /// indices.
+    /// Returns the number of moving bodies of one configuration plus the number of static bodies. Excluded pairs use
+    /// these indices.
     std::int64_t distinct() const { return moving + at_rest(); }
 };
 
-/// View of an array of poses of shape (n, 3, 4) or (n, 4, 4), or (k, n, 3, 4) or (k, n, 4, 4) for k configurations. May be
-/// empty: no poses were given.
+/// View of an array of poses of shape (n, 3, 4) or (n, 4, 4), or (k, n, 3, 4) or (k, n, 4, 4) for k configurations. May
+/// be empty: no poses were given.
 class BorrowedPoses {
    public:
     BorrowedPoses() = default;
     enum class When : std::uint8_t { start, end };
-    /// If `poses` is None, all poses are the identity. Throws Error unless there is one pose for each moving body of each
-    /// configuration. `stream`: the CUDA stream on which poses in CUDA memory must be ready, as in BorrowedMesh.
+    /// If `poses` is None, all poses are the identity. Throws Error unless there is one pose for each moving body of
+    /// each configuration. `stream`: the CUDA stream on which poses in CUDA memory must be ready, as in BorrowedMesh.
     BorrowedPoses(nanobind::handle poses, const Bodies& bodies, When when = When::start, void* stream = nullptr);
 
-    /// Returns one pose per body, with the current contents of the array: a view of the array if possible, otherwise of a
-    /// copy in `buffer`. Throws Error if a matrix has four rows and the last is not 0 0 0 1.
+    /// Returns one pose per body, with the current contents of the array: a view of the array if possible, otherwise of
+    /// a copy in `buffer`. Throws Error if a matrix has four rows and the last is not 0 0 0 1.
     std::span<const Pose> read(const Bodies& bodies, std::vector<Pose>& buffer) const;
     /// Returns the CUDA device that contains the poses, or BorrowedArray::on_host. read() refuses poses on a device.
     int device() const { return object_ ? array_.device : BorrowedArray::on_host; }
@@ -84,12 +84,12 @@ struct BorrowedWorld {
     BorrowedPoses end_poses;  ///< empty: the same as `poses`
 };
 
-/// Returns the world that a method is called on or with. Throws Error if it was not constructed, because a subclass did not
-/// call __init__.
+/// Returns the world that a method is called on or with. Throws Error if it was not constructed, because a subclass did
+/// not call __init__.
 BorrowedWorld& given_world(nanobind::handle world);
 
-/// Returns excluded pairs of bodies, repeated for each configuration. `pairs`: indices in [0, distinct()), (n, 2) int32, or
-/// None.
+/// Returns excluded pairs of bodies, repeated for each configuration. `pairs`: indices in [0, distinct()), (n, 2)
+/// int32, or None.
 std::vector<BodyPair> excluded_bodies(const Bodies& bodies, nanobind::handle pairs);
 
 void bind_world(nanobind::module_& module);

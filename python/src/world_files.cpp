@@ -97,8 +97,9 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
     refuse("the world was changed after the search: the result does not fit it any more");
 }
 
-// Computes `first_triangle` and the hit flags of a result: those of the triangles in pairs or, if the result has only pairs
-// of bodies, those of all triangles of these bodies. Validates the indices, because results may come from pickles.
+// Computes `first_triangle` and the hit flags of a result: those of the triangles in pairs or, if the result has only
+// pairs of bodies, those of all triangles of these bodies. Validates the indices, because results may come from
+// pickles.
 void index(const io::WorldMesh& world, Intersections& c) {
     c.first_triangle.push_back(0);
     for (const io::NamedBody& body : world.bodies) {

@@ -91,7 +91,7 @@ class ClothSolver {
     }
 
     std::vector<Vec3d> points, velocities;  ///< of the cloth, then of the obstacles
-    std::vector<std::uint8_t> held;  ///< by point: 1 if it moves with a given velocity, whatever acts on it
+    std::vector<std::uint8_t> held;         ///< by point: 1 if it moves with a given velocity, whatever acts on it
 
    private:
     struct Spring {

@@ -30,8 +30,7 @@ Nearest Funnel::nearest(Vec3d point) const {
         best = square;
         best_r = off_r;
         best_z = off_z;
-        inside =
-            along_z * off_r - along_r * off_z >= 0;  // on the same side of the profile as the axis
+        inside = along_z * off_r - along_r * off_z >= 0;  // on the same side of the profile as the axis
         smooth = (t > 0 || i > 0) && (t < 1 || i + 2 < profile_.size());
     }
     double distance = std::sqrt(best);

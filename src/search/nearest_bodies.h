@@ -56,7 +56,7 @@ class NearestSearch {
     std::vector<const ShapeTree*> trees_;              ///< by shape
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
     Array<Bounds> box_;                                ///< by body; contains all of its posed vertices
-    Array<std::size_t> first_row_;  ///< by world: its first row, before any is dropped; then the end
+    Array<std::size_t> first_row_;                     ///< by world: its first row, before any is dropped; then the end
     std::mutex mutex_;
     std::vector<std::unique_ptr<NearestWalk>> idle_;  ///< guarded by the mutex
     Array<std::uint8_t> kept_;                        ///< by row: 1 if it belongs to the result

@@ -1,6 +1,6 @@
-// crumple._mpi, the private extension module of crumple.mpi: a separate module, so that crumple._core does not need MPI. It
-// uses types of crumple._core (World, Statistics), which is imported first: extension modules that use the same nanobind
-// share their types.
+// crumple._mpi, the private extension module of crumple.mpi: a separate module, so that crumple._core does not need
+// MPI. It uses types of crumple._core (World, Statistics), which is imported first: extension modules that use the same
+// nanobind share their types.
 
 #include <nanobind/nanobind.h>
 

@@ -49,8 +49,8 @@ std::string mpi_library() {
     return text.data();  // up to the terminating 0, which some libraries include in `length`
 }
 
-// C++ exception that replaces a Python exception: the collective error check can throw it on all ranks, including ranks on
-// which no Python exception was raised. Its message has the class and the message of the Python exception.
+// C++ exception that replaces a Python exception: the collective error check can throw it on all ranks, including ranks
+// on which no Python exception was raised. Its message has the class and the message of the Python exception.
 struct Interrupted final : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -100,8 +100,8 @@ RankDetector::RankDetector(std::uintptr_t communicator, const DistributedOptions
     detector_.set_poll([this] { poll(); });
 }
 
-// The library calls this during a call, without the GIL and within a collective error check. Throws the error before the
-// call, if any, or an exception of a signal handler.
+// The library calls this during a call, without the GIL and within a collective error check. Throws the error before
+// the call, if any, or an exception of a signal handler.
 void RankDetector::poll() {
     if (failed_) std::rethrow_exception(failed_);
     try {
@@ -186,8 +186,8 @@ void RankDetector::close() {
 
 namespace {
 
-// Constructs a Query from one of crumple/_queries.py. Errors in the query are thrown here, before ranks wait for each other.
-// `excluded`: excluded pairs of bodies, (n, 2) int32 or None.
+// Constructs a Query from one of crumple/_queries.py. Errors in the query are thrown here, before ranks wait for each
+// other. `excluded`: excluded pairs of bodies, (n, 2) int32 or None.
 template <class Query>
 void make_query(Query* place, nb::handle given, nb::handle excluded) {
     Query query = read<Query>(given);

@@ -1,7 +1,7 @@
 #pragma once
 
-// crumple::mpi::Detector for Python: releases the GIL, and makes a call fail on all ranks if Python code (a signal handler,
-// a callback) raises an exception on one rank.
+// crumple::mpi::Detector for Python: releases the GIL, and makes a call fail on all ranks if Python code (a signal
+// handler, a callback) raises an exception on one rank.
 
 #include <cstdint>
 #include <exception>
@@ -35,21 +35,21 @@ struct BorrowedLocalMesh {
 /// Detector of one rank. Refuses a call while another is in progress, from another thread or a signal handler.
 class RankDetector {
    public:
-    /// Collective, like all following functions except set_progress and detector. `communicator`: MPI handle as a number,
-    /// as mpi4py represents it.
+    /// Collective, like all following functions except set_progress and detector. `communicator`: MPI handle as a
+    /// number, as mpi4py represents it.
     RankDetector(std::uintptr_t communicator, const DistributedOptions& options);
 
     template <class Share, class Query>
     typename Query::DistributedResult find(const Share& share, const Query& query);
     template <class Share, class Query>
     bool any(const Share& share, const Query& query);
-    /// Call on a rank that has failed, with `exception`, before it could make a call that the other ranks make: all ranks
-    /// throw the same Error. If `exception` is not a crumple.Error, this function returns on this rank, and the caller must
-    /// raise `exception`; the other ranks throw.
+    /// Call on a rank that has failed, with `exception`, before it could make a call that the other ranks make: all
+    /// ranks throw the same Error. If `exception` is not a crumple.Error, this function returns on this rank, and the
+    /// caller must raise `exception`; the other ranks throw.
     void fail(nanobind::handle exception);
     void close();
-    /// Sets a Python function that is called as show(phase, parts done, parts) during calls; None: no function. An exception
-    /// from `show` ends the call. Not collective.
+    /// Sets a Python function that is called as show(phase, parts done, parts) during calls; None: no function. An
+    /// exception from `show` ends the call. Not collective.
     void set_progress(nanobind::object show);
 
     const mpi::Detector& detector() const { return detector_; }

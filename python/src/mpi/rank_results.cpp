@@ -69,8 +69,8 @@ void bind_intersections(nb::module_& module) {
         "contact_points", [](const R& r) -> auto& { return r.contacts.points; }, 3U);
 }
 
-// Binds the members that DistributedImpacts and DistributedProximities have in common. Ranks have only two kinds of lists,
-// because their meshes have no codimensional edges and points.
+// Binds the members that DistributedImpacts and DistributedProximities have in common. Ranks have only two kinds of
+// lists, because their meshes have no codimensional edges and points.
 template <class Result>
 void bind_features(Binding<Result>& result, const char* value, const char* flag) {
     for (const auto& [kind, name, pairs] : {std::tuple(FeatureKind::vertex_face, "vertex_face_", "vertex_faces"),

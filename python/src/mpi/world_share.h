@@ -12,8 +12,8 @@
 
 namespace crumple::python {
 
-/// View of a crumple.World with the bodies of this rank, and of their ids over all ranks. Construct and destroy it with the
-/// GIL.
+/// View of a crumple.World with the bodies of this rank, and of their ids over all ranks. Construct and destroy it with
+/// the GIL.
 class BorrowedLocalWorld {
    public:
     /// `world` is a crumple.World; `body_ids` may be None.
