@@ -6,7 +6,8 @@
 
 namespace crumple::cli {
 
-Frames::Frames(std::vector<std::string> files, const std::string& scene, const scenes::Parameters& parameters)
+SequenceFrames::SequenceFrames(std::vector<std::string> files, const std::string& scene,
+                               const scenes::Parameters& parameters)
     : files_(std::move(files)), scene_name_(scene) {
     if (scene.empty() == files_.empty()) {
         throw Error(ErrorCode::invalid_argument, "sequence needs either frames or a --scene", Element::option);
@@ -17,9 +18,9 @@ Frames::Frames(std::vector<std::string> files, const std::string& scene, const s
     scene_frames_ = static_cast<std::size_t>(scene_->description().frames);
 }
 
-Input Frames::load(std::size_t i, const QueryOptions& options) {
+InputMeshes SequenceFrames::load(std::size_t i, const QueryOptions& options) {
     if (!scene_) {
-        Input input = read_input({files_[i]}, options);
+        InputMeshes input = read_input({files_[i]}, options);
         unit_.apply(files_[i], input.first);
         return input;
     }

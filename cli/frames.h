@@ -12,17 +12,17 @@
 
 namespace crumple::cli {
 
-class Frames {
+class SequenceFrames {
    public:
     /// `files`: one per frame. `scene`: name of a procedural scene. Throws Error (invalid_argument) unless exactly one
     /// of the two is given.
-    Frames(std::vector<std::string> files, const std::string& scene, const scenes::Parameters& parameters);
+    SequenceFrames(std::vector<std::string> files, const std::string& scene, const scenes::Parameters& parameters);
 
     std::size_t count() const { return files_.empty() ? scene_frames_ : files_.size(); }
     /// Returns the name of a frame: its file, or its number in the scene.
     std::string name(std::size_t i) const { return files_.empty() ? std::to_string(i) : files_[i]; }
     /// Loads frame i. Call in ascending order of i. Throws Error that names the file and the place in it.
-    Input load(std::size_t i, const QueryOptions& options);
+    InputMeshes load(std::size_t i, const QueryOptions& options);
 
    private:
     std::vector<std::string> files_;

@@ -53,7 +53,7 @@ void add_near_filter_options(CLI::App& app, NearFilterOptions& options) {
         ->type_name("R");
 }
 
-NearFilters::NearFilters(const NearFilterOptions& options, Input& input, const QueryOptions& query_options)
+NearFilters::NearFilters(const NearFilterOptions& options, InputMeshes& input, const QueryOptions& query_options)
     : options_(options) {
     if (options.rest.empty() && options.rest_radius > 0) refuse("--rest-radius needs --rest");
     if (input.second && !options.radii.empty()) refuse("--radii are of one mesh");

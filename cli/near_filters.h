@@ -27,7 +27,7 @@ class NearFilters {
    public:
     /// Reads the files, which must match the input. The input is not changed. Throws Error that names the file and the
     /// place in it, or the options that conflict.
-    NearFilters(const NearFilterOptions& options, Input& input, const QueryOptions& query_options);
+    NearFilters(const NearFilterOptions& options, InputMeshes& input, const QueryOptions& query_options);
 
     void apply(ProximityQuery& query) const;
 

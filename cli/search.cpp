@@ -32,14 +32,14 @@ std::vector<std::int32_t> read_groups(const std::string& path) {
     return groups;
 }
 
-void group_by_components(Input& input) {
+void group_by_components(InputMeshes& input) {
     const std::int32_t count = label_components(input.first, input.first.groups);
     if (!input.second) return;
     label_components(*input.second, input.second->groups);
     for (std::int32_t& group : input.second->groups) group += count;
 }
 
-void group_by_file(Input& input, const std::string& path) {
+void group_by_file(InputMeshes& input, const std::string& path) {
     const std::vector<std::int32_t> groups = read_groups(path);
     if (static_cast<std::int64_t>(groups.size()) != input.triangle_count()) {
         throw Error(ErrorCode::format, path + ": " + std::to_string(groups.size()) + " groups for " +
@@ -102,13 +102,13 @@ void convert_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const 
     unit.apply(second_file, second);
 }
 
-Input read_input(const std::vector<std::string>& files, const QueryOptions& options) {
+InputMeshes read_input(const std::vector<std::string>& files, const QueryOptions& options) {
     io::ReadOptions how = read_options(options);
     const GroupSource source = group_source(options);
     if (source == GroupSource::property) how.group_property = options.groups;
 
     check_standard_input(files);
-    Input input{files[0], read_with_groups(files[0], how), {}};
+    InputMeshes input{files[0], read_with_groups(files[0], how), {}};
     if (files.size() > 1) {
         input.name += ", " + files[1];
         input.second = read_with_groups(files[1], how);
@@ -119,14 +119,14 @@ Input read_input(const std::vector<std::string>& files, const QueryOptions& opti
     return input;
 }
 
-Input made_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options) {
+InputMeshes made_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options) {
     const GroupSource source = group_source(options);
     if (source == GroupSource::property && (options.groups != "group" || mesh.groups.empty())) {
         throw Error(ErrorCode::invalid_argument,
                     "--groups " + options.groups + ": there is no such file, and " + name + " has no such groups",
                     Element::option);
     }
-    Input input{name, std::move(mesh), {}};
+    InputMeshes input{name, std::move(mesh), {}};
     if (source != GroupSource::property) input.first.groups.clear();
     const auto convert = [&](auto scalar) {
         input.first.vertices = std::visit(
@@ -161,7 +161,7 @@ void check_same_counts(const std::string& start_name, const std::string& end_nam
 
 }  // namespace
 
-void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end) {
+void check_same_faces(const InputMeshes& start, const std::string& end_name, const io::TriangleMesh& end) {
     const io::TriangleMesh& mesh = start.first;
     check_same_counts(start.name, end_name, "vertices", mesh.vertex_count(), end.vertex_count());
     check_same_counts(start.name, end_name, "triangles", mesh.triangle_count(), end.triangle_count());
@@ -201,7 +201,7 @@ StepOrStatic read_step_or_static(const std::string& start, const std::string& en
     return {std::move(step.start), std::move(step.end)};
 }
 
-Search::Search(const QueryOptions& query_options, const Options& options)
+SearchSession::SearchSession(const QueryOptions& query_options, const Options& options)
     : query_options_(query_options),
       threads_(options.threads ? std::make_unique<AllowedThreads>(options.threads) : nullptr),
       detector_((query_options.check(), check_cost_options(options), options)) {
@@ -209,7 +209,7 @@ Search::Search(const QueryOptions& query_options, const Options& options)
         print_error(std::string(detector_.fallback()) + "; the cpu backend does the work");
 }
 
-Search::~Search() = default;
+SearchSession::~SearchSession() = default;
 
 IntersectionQuery query_of(const QueryOptions& query_options) {
     IntersectionQuery query;
@@ -221,7 +221,7 @@ IntersectionQuery query_of(const QueryOptions& query_options) {
     return query;
 }
 
-IntersectionQuery Search::query() const { return query_of(query_options_); }
+IntersectionQuery SearchSession::query() const { return query_of(query_options_); }
 
 Error with_name(const std::string& name, const Error& error) {
     Error named(error.code, name + ": " + error.what(), error.element, error.index, error.bytes_needed,
@@ -274,7 +274,7 @@ class CodimensionalView {
 /// Returns work(scene) for the scene of an input, and adds the name of the input to the message of any Error. `end`: if
 /// not null, the first mesh moves to the vertices of `end`; the input must then have one mesh.
 template <class Work>
-decltype(auto) on_scene(const Input& input, const io::TriangleMesh* end, Work work) {
+decltype(auto) on_scene(const InputMeshes& input, const io::TriangleMesh* end, Work work) {
     return named(input.name, [&]() -> decltype(auto) {
         const CodimensionalView first(input.first);
         if (!input.second) return work(Scene(end ? first.view().moving_to(end->view().vertices) : first.view()));
@@ -285,7 +285,7 @@ decltype(auto) on_scene(const Input& input, const io::TriangleMesh* end, Work wo
 
 }  // namespace
 
-const Intersections& Search::find(const Input& input) {
+const Intersections& SearchSession::find(const InputMeshes& input) {
     if (!query_options_.part) return find(input, query());
     return on_scene(input, nullptr, [&](const Scene& scene) -> const Intersections& {
         const auto [index, count] = *query_options_.part;
@@ -296,34 +296,35 @@ const Intersections& Search::find(const Input& input) {
     });
 }
 
-bool Search::any(const Input& input) {
+bool SearchSession::any(const InputMeshes& input) {
     if (query_options_.part) return find(input).any;
     return on_scene(input, nullptr, [&](const Scene& scene) { return detector_.any(scene, query()); });
 }
 
 template <class Query>
-const typename Query::Result& Search::find(const Input& input, const Query& query, const io::TriangleMesh* end) {
+const typename Query::Result& SearchSession::find(const InputMeshes& input, const Query& query,
+                                                  const io::TriangleMesh* end) {
     return on_scene(
         input, end, [&](const Scene& scene) -> auto& { return detector_.find(scene, query); });
 }
 
 template <class Query>
-Statistics Search::stream(const Input& input, const Query& query, FunctionRef<void(const typename Query::Result&)> take,
-                          const io::TriangleMesh* end) {
+Statistics SearchSession::stream(const InputMeshes& input, const Query& query,
+                                 FunctionRef<void(const typename Query::Result&)> take, const io::TriangleMesh* end) {
     return on_scene(input, end, [&](const Scene& scene) { return detector_.stream(scene, query, take); });
 }
 
-template const Impacts& Search::find(const Input&, const ImpactQuery&, const io::TriangleMesh*);
-template const Proximities& Search::find(const Input&, const ProximityQuery&, const io::TriangleMesh*);
-template const Candidates& Search::find(const Input&, const CandidateQuery&, const io::TriangleMesh*);
-template Statistics Search::stream(const Input&, const IntersectionQuery&, FunctionRef<void(const Intersections&)>,
-                                   const io::TriangleMesh*);
-template Statistics Search::stream(const Input&, const ImpactQuery&, FunctionRef<void(const Impacts&)>,
-                                   const io::TriangleMesh*);
-template Statistics Search::stream(const Input&, const ProximityQuery&, FunctionRef<void(const Proximities&)>,
-                                   const io::TriangleMesh*);
-template Statistics Search::stream(const Input&, const CandidateQuery&, FunctionRef<void(const Candidates&)>,
-                                   const io::TriangleMesh*);
+template const Impacts& SearchSession::find(const InputMeshes&, const ImpactQuery&, const io::TriangleMesh*);
+template const Proximities& SearchSession::find(const InputMeshes&, const ProximityQuery&, const io::TriangleMesh*);
+template const Candidates& SearchSession::find(const InputMeshes&, const CandidateQuery&, const io::TriangleMesh*);
+template Statistics SearchSession::stream(const InputMeshes&, const IntersectionQuery&,
+                                          FunctionRef<void(const Intersections&)>, const io::TriangleMesh*);
+template Statistics SearchSession::stream(const InputMeshes&, const ImpactQuery&, FunctionRef<void(const Impacts&)>,
+                                          const io::TriangleMesh*);
+template Statistics SearchSession::stream(const InputMeshes&, const ProximityQuery&,
+                                          FunctionRef<void(const Proximities&)>, const io::TriangleMesh*);
+template Statistics SearchSession::stream(const InputMeshes&, const CandidateQuery&,
+                                          FunctionRef<void(const Candidates&)>, const io::TriangleMesh*);
 
 namespace {
 
@@ -362,8 +363,8 @@ std::string with_origin(const std::string& message, const BodyOrigins& origins, 
 }  // namespace
 
 template <class Query>
-const typename Query::Result& Search::find(const BodyOrigins& origins, std::int64_t first_configuration,
-                                           const World& world, const Query& query) {
+const typename Query::Result& SearchSession::find(const BodyOrigins& origins, std::int64_t first_configuration,
+                                                  const World& world, const Query& query) {
     try {
         return detector_.find(world, query);
     } catch (const Error& error) {
@@ -372,7 +373,8 @@ const typename Query::Result& Search::find(const BodyOrigins& origins, std::int6
     }
 }
 
-template const Intersections& Search::find(const BodyOrigins&, std::int64_t, const World&, const IntersectionQuery&);
-template const Overlaps& Search::find(const BodyOrigins&, std::int64_t, const World&, const OverlapQuery&);
+template const Intersections& SearchSession::find(const BodyOrigins&, std::int64_t, const World&,
+                                                  const IntersectionQuery&);
+template const Overlaps& SearchSession::find(const BodyOrigins&, std::int64_t, const World&, const OverlapQuery&);
 
 }  // namespace crumple::cli

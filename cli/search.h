@@ -14,7 +14,7 @@
 namespace crumple::cli {
 
 /// One or two meshes to search, with groups if they are requested.
-struct Input {
+struct InputMeshes {
     std::string name;  ///< for messages
     io::TriangleMesh first;
     std::optional<io::TriangleMesh> second;
@@ -40,21 +40,21 @@ void convert_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const 
                          io::TriangleMesh& second, const ReadingOptions& options);
 
 /// Reads one file or two. Throws Error that names the file and the place.
-Input read_input(const std::vector<std::string>& files, const QueryOptions& options);
+InputMeshes read_input(const std::vector<std::string>& files, const QueryOptions& options);
 
 /// Returns a generated mesh as input, processed as if it had been read from a file with these options. Its groups count
 /// as a property named `group`. Throws as read_input does.
-Input made_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options);
+InputMeshes made_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options);
 
 /// Mesh at the start of a step, and the same mesh at its end.
 struct MovingInput {
-    Input start;
+    InputMeshes start;
     io::TriangleMesh end;
 };
 
 /// Throws Error (invalid_argument) unless the meshes have the same number of vertices and the same faces. Equal
 /// polygons may be triangulated differently.
-void check_same_faces(const Input& start, const std::string& end_name, const io::TriangleMesh& end);
+void check_same_faces(const InputMeshes& start, const std::string& end_name, const io::TriangleMesh& end);
 
 /// Returns the options for reading the meshes of a step. They do not weld vertices, even with --weld: vertices that
 /// coincide in one file need not coincide in the other. The query welds them instead. Lines and points are read.
@@ -69,7 +69,7 @@ MovingInput read_moving_input(const std::string& start, const std::string& end, 
 
 /// Mesh, and optionally the same mesh at the end of a step.
 struct StepOrStatic {
-    Input start;
+    InputMeshes start;
     std::optional<io::TriangleMesh> end;
 
     const io::TriangleMesh* end_or_null() const { return end ? &*end : nullptr; }
@@ -92,27 +92,28 @@ class AllowedThreads;
 
 /// Detector with the options of the command line. If inputs follow each other, each search is warm-started by the one
 /// before it.
-class Search {
+class SearchSession {
    public:
     /// Throws Error (invalid_argument) if options conflict.
-    Search(const QueryOptions& query_options, const Options& options);
-    ~Search();
+    SearchSession(const QueryOptions& query_options, const Options& options);
+    ~SearchSession();
 
     /// Finds colliding triangles. The result is valid until the next call. Throws Error that names the input.
-    const Intersections& find(const Input& input);
+    const Intersections& find(const InputMeshes& input);
     /// True if any triangles collide. Stops at the first pair, except with --part. Throws as find() does.
-    bool any(const Input& input);
+    bool any(const InputMeshes& input);
     /// Runs a query about features of one mesh or two. A single mesh moves to `end`, unless that is null; check its
     /// faces with check_same_faces() before. The result is valid until the next call. Throws Error that names the
     /// input.
     template <class Query>
-    const typename Query::Result& find(const Input& input, const Query& query, const io::TriangleMesh* end = nullptr);
+    const typename Query::Result& find(const InputMeshes& input, const Query& query,
+                                       const io::TriangleMesh* end = nullptr);
     /// Runs a query, and delivers its result to `take` in blocks, in order. Throws as find() does, and what `take`
     /// throws.
     template <class Query>
-    Statistics stream(const Input& input, const Query& query, FunctionRef<void(const typename Query::Result&)> take,
-                      const io::TriangleMesh* end = nullptr);
-    Statistics stream(const Input& input, FunctionRef<void(const Intersections&)> take) {
+    Statistics stream(const InputMeshes& input, const Query& query,
+                      FunctionRef<void(const typename Query::Result&)> take, const io::TriangleMesh* end = nullptr);
+    Statistics stream(const InputMeshes& input, FunctionRef<void(const Intersections&)> take) {
         return stream(input, query(), take);
     }
     /// Runs a query about bodies. The world has all bodies once for each of one or more configurations. `origins`:

@@ -135,7 +135,7 @@ void add_search_command_options(CLI::App& app, SearchCommand& command, const std
     add_cost_options(app, command.options);
 }
 
-std::string kinds_of(const Tally& tally) {
+std::string kinds_of(const ResultSize& tally) {
     const auto count = [&](FeatureKind kind) { return tally.by_kind[static_cast<std::size_t>(kind)]; };
     std::string text = fmt::format("{} vertex-face, {} edge-edge", grouped(count(FeatureKind::vertex_face)),
                                    grouped(count(FeatureKind::edge_edge)));
@@ -146,8 +146,8 @@ std::string kinds_of(const Tally& tally) {
     return text;
 }
 
-std::string summary_of(const Tally& tally, const std::string& kinds, const ListWords& words, std::int64_t triangles,
-                       const std::string& more) {
+std::string summary_of(const ResultSize& tally, const std::string& kinds, const ListWords& words,
+                       std::int64_t triangles, const std::string& more) {
     if (tally.count == 0)
         return fmt::format("{}: {} triangles, {:.1f} ms\n", words.none, grouped(triangles), tally.milliseconds);
     return fmt::format("{} {}{} ({}){}, {:.1f} ms\n", grouped(tally.count), words.one, tally.count == 1 ? "" : "s",
@@ -164,7 +164,8 @@ Impacts only_first(const Impacts& impacts) {
     return one;
 }
 
-std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, bool earliest, std::int64_t triangles) {
+std::string summary_of_impacts(const ResultSize& tally, const FirstImpact& first, bool earliest,
+                               std::int64_t triangles) {
     const std::string time = fmt::format("{:.6g}", first.toi);
     if (earliest && first.found) return fmt::format("the first impact is at {}, {:.1f} ms\n", time, tally.milliseconds);
     return summary_of(tally, kinds_of(tally), words_of_impacts, triangles, ", the first at " + time);

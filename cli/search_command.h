@@ -139,32 +139,33 @@ struct SearchCommand {
 void add_search_command_options(CLI::App& app, SearchCommand& command, const std::string& check);
 
 /// Size of a result in rows, and duration of its search, for the summary.
-struct Tally {
+struct ResultSize {
     std::int64_t count = 0;
     std::array<std::int64_t, feature_kinds> by_kind{};  ///< by FeatureKind
     double milliseconds = 0;
 };
 template <class Result>
-Tally tally_of(const Result& result) {
-    Tally tally{result.count, {}, result.statistics.milliseconds};
+ResultSize tally_of(const Result& result) {
+    ResultSize tally{result.count, {}, result.statistics.milliseconds};
     for (std::size_t k = 0; k < tally.by_kind.size(); ++k)
         tally.by_kind[k] = static_cast<std::int64_t>(result.lists[k].pairs.size());
     return tally;
 }
 
 /// Returns "27 vertex-face, 107 edge-edge".
-std::string kinds_of(const Tally& tally);
+std::string kinds_of(const ResultSize& tally);
 /// Returns the number of candidates of each kind that the result lists, in the same form.
 std::string kinds_of(const Candidates& candidates);
 
 /// Returns "134 impacts (27 vertex-face, 107 edge-edge), 3.1 ms", or "nothing touches: 28 triangles, 3.1 ms". `kinds`:
 /// text in the parentheses, from kinds_of(); `more`: text after the parentheses.
-std::string summary_of(const Tally& tally, const std::string& kinds, const ListWords& words, std::int64_t triangles,
-                       const std::string& more = {});
+std::string summary_of(const ResultSize& tally, const std::string& kinds, const ListWords& words,
+                       std::int64_t triangles, const std::string& more = {});
 /// Returns "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms". `earliest`: true if only the
 /// first impact was searched for.
-std::string summary_of_impacts(const Tally& tally, const FirstImpact& first, bool earliest, std::int64_t triangles);
-inline std::string summary_of_near(const Tally& tally, std::int64_t triangles) {
+std::string summary_of_impacts(const ResultSize& tally, const FirstImpact& first, bool earliest,
+                               std::int64_t triangles);
+inline std::string summary_of_near(const ResultSize& tally, std::int64_t triangles) {
     return summary_of(tally, kinds_of(tally), words_of_near, triangles);
 }
 

@@ -90,7 +90,7 @@ std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int
 namespace {
 
 /// Side of a triangle: the edge, and the direction in which the triangle's corners run along it.
-struct Side {
+struct DirectedSide {
     Edge edge;     ///< a < b
     bool upwards;  ///< true if the triangle runs from a to b
     std::int32_t triangle;
@@ -98,11 +98,11 @@ struct Side {
 
 /// Returns two triangles that run along an edge in the same direction, or nothing if as many triangles run along it in
 /// one direction as in the other. `sides`: all sides of triangles at this edge.
-std::optional<FlippedEdge> find_flipped(std::span<const Side> sides) {
-    const auto up = std::count_if(sides.begin(), sides.end(), [](const Side& side) { return side.upwards; });
+std::optional<FlippedEdge> find_flipped(std::span<const DirectedSide> sides) {
+    const auto up = std::count_if(sides.begin(), sides.end(), [](const DirectedSide& side) { return side.upwards; });
     if (2 * up == std::ssize(sides)) return std::nullopt;
     const bool most = 2 * up > std::ssize(sides);
-    const auto same = [&](const Side& side) { return side.upwards == most; };
+    const auto same = [&](const DirectedSide& side) { return side.upwards == most; };
     const auto first = std::find_if(sides.begin(), sides.end(), same);
     const auto second = std::find_if(first + 1, sides.end(), same);
     return FlippedEdge{first->edge, first->triangle, second->triangle};
@@ -121,7 +121,7 @@ std::int64_t count_parts(const std::vector<Edge>& edges, std::int64_t vertices) 
 }  // namespace
 
 EdgeReport report_edges(const io::TriangleMesh& mesh) {
-    std::vector<Side> sides;
+    std::vector<DirectedSide> sides;
     sides.reserve(mesh.triangles.size());
     for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
         const std::int32_t* const c = corners_of(mesh, t);
@@ -130,10 +130,12 @@ EdgeReport report_edges(const io::TriangleMesh& mesh) {
             if (a != b) sides.push_back({{std::min(a, b), std::max(a, b)}, a < b, static_cast<std::int32_t>(t)});
         }
     }
-    std::stable_sort(sides.begin(), sides.end(), [](const Side& p, const Side& q) { return p.edge < q.edge; });
+    std::stable_sort(sides.begin(), sides.end(),
+                     [](const DirectedSide& p, const DirectedSide& q) { return p.edge < q.edge; });
     EdgeReport report;
     for (auto side = sides.begin(); side != sides.end();) {
-        const auto next = std::find_if(side, sides.end(), [&](const Side& other) { return other.edge != side->edge; });
+        const auto next =
+            std::find_if(side, sides.end(), [&](const DirectedSide& other) { return other.edge != side->edge; });
         const auto count = next - side;
         if (count == 1) report.open.push_back(side->edge);
         if (count > 2) ++report.non_manifold;

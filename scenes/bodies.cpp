@@ -19,7 +19,7 @@ io::TriangleMesh make_bodies(const Parameters& parameters) {
     Soup soup;
     for (int body = 0; body < count; ++body) {
         Random random(parameters.seed ^ mix(static_cast<std::uint64_t>(body)));
-        const Pose pose = tumbling(random, width, parameters.frame);
+        const ScaledPose pose = tumbling(random, width, parameters.frame);
         switch (random.integer(3)) {
             case 0:
                 add_icosphere(soup, 4, pose);

@@ -27,9 +27,9 @@ constexpr double ball_share = 1.0 / 121;  // of all triangles
 
 // Lengths in grid cells.
 constexpr double jitter = 0.2;
-constexpr double wavelength = 20, wander = 20;     // length of a wrinkle; size of its irregularities
-constexpr double rise = 1, swing = 2.3;            // height and sideways swing of a wrinkle, in wavelengths / 2 pi
-constexpr double crumple_size = 6, crumple = 0.6;  // size and depth of random dents, added to wrinkles
+constexpr double wavelength = 20, wander = 20;  // length of a wrinkle; size of its irregularities
+constexpr double rise = 1, swing = 2.3;         // height and sideways swing of a wrinkle, in wavelengths / 2 pi
+constexpr double dent_size = 6, crumple = 0.6;  // size and depth of random dents, added to wrinkles
 
 /// Generator of the sheet, row by row. Stores three rows of vertices at a time, because wrinkles depend on adjacent
 /// vertices.
@@ -98,7 +98,7 @@ Vec3d Sheet::wrinkled(int i, int j) const {
     const double phase = belt_wrinkles * angle(v, u) + 0.1 * noise(seed_ + 2, u / (wander * h), v / (wander * h));
     const double unit = strength * wavelength * h / (2 * pi);
 
-    const double x = u / (crumple_size * h), y = v / (crumple_size * h);
+    const double x = u / (dent_size * h), y = v / (dent_size * h);
     const auto dent = [&](std::uint64_t axis) { return noise(seed_ + 3 + axis, x, y); };
     const Vec3d free = at(i, j) + (unit * rise * (1 - cosine(phase))) * normal +
                        (unit * swing * sine(2 * phase)) * across +

@@ -49,7 +49,7 @@ class ClothOnBall : public Simulation {
     }
 
     void advance(ClothSolver& solver, int frame) const override {
-        Ball ball;
+        MovingBall ball;
         ball.centre = {0, 0, ball_height};
         ball.radius = ball_radius;
         ball.friction = 0.6;

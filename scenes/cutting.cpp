@@ -54,10 +54,10 @@ class Cutting : public Simulation {
     }
 
     void advance(ClothSolver& solver, int frame) const override {
-        go_on_with(solver, cut_at(frame - 1), cut_at(frame));
+        switch_fabric(solver, cut_at(frame - 1), cut_at(frame));
         const auto cells = static_cast<std::size_t>(cells_), top = cells * (cells + 1);
         for (std::size_t i = top; i <= top + cells; ++i) solver.held[i] = 1;
-        Ball ball;
+        MovingBall ball;
         ball.centre = {0, 0, ball_radius};
         ball.radius = ball_radius;
         Floor floor(0);

@@ -77,7 +77,7 @@ class ClothInFunnel : public Simulation {
     void advance(ClothSolver& solver, int frame) const override {
         Funnel funnel(profile_, 3 * fabric_.spacing);
         funnel.friction = 0.2;
-        Ball ball;
+        MovingBall ball;
         ball.friction = 0.4;
         Floor floor(ground);
         const std::array<const Collider*, 3> bodies{&ball, &funnel, &floor};
@@ -92,7 +92,7 @@ class ClothInFunnel : public Simulation {
         soup.group(0);
         add_funnel(soup);
         soup.group(1);
-        Ball ball;
+        MovingBall ball;
         place(ball, frame * frame_time);
         add_globe(soup, slices_, slices_, {.origin = ball.centre, .scale = ball.radius});
         soup.group(2);
@@ -103,7 +103,7 @@ class ClothInFunnel : public Simulation {
 
    private:
     /// Places the ball, which comes down evenly and reaches the neck at frame 345.
-    static void place(Ball& ball, double time) {
+    static void place(MovingBall& ball, double time) {
         constexpr double speed = 0.42, neck = -0.1, smallest = 0.03, growth = 0.005;
         ball.centre = {0, 0, neck + speed * (345 * frame_time - time)};
         ball.velocity = {0, 0, -speed};

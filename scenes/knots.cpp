@@ -21,7 +21,7 @@ constexpr double tube = 0.35;
 
 /// Adds a closed tube along the trefoil knot (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t) / 3. It has 2 * along *
 /// across triangles. `wrinkles`: depth of wrinkles in its surface, as a fraction of the tube's radius.
-void add_knot(Soup& soup, int along, int across, double wrinkles, const Pose& pose) {
+void add_knot(Soup& soup, int along, int across, double wrinkles, const ScaledPose& pose) {
     std::int32_t first = -1;
     for (int i = 0; i < along; ++i) {
         const double t = static_cast<double>(i) / along;  // turns
@@ -57,7 +57,7 @@ io::TriangleMesh make_model(const Parameters& parameters) {
     const int along = std::max(30, static_cast<int>(std::lround(half / across)));
     Random random(parameters.seed);
     const double turn = random.uniform();  // evaluated first: the order of evaluating arguments is unspecified
-    const Pose pose{.axes = rotation(random.direction(), turn)};
+    const ScaledPose pose{.axes = rotation(random.direction(), turn)};
     Soup soup;
     soup.reserve(static_cast<std::int64_t>(along) * across, 2LL * along * across);
     add_knot(soup, along, across, 0.12, pose);
@@ -72,7 +72,7 @@ io::TriangleMesh make_knots(const Parameters& parameters) {
     Soup soup;
     for (int body = 0; body < count; ++body) {
         Random random(parameters.seed ^ mix(static_cast<std::uint64_t>(body)));
-        const Pose pose = tumbling(random, width, parameters.frame);
+        const ScaledPose pose = tumbling(random, width, parameters.frame);
         switch (body % 4) {
             case 0:
                 add_knot(soup, 30, 8, 0, pose);

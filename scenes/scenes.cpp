@@ -43,8 +43,8 @@ constexpr std::array entries{
           simulate_cutting},
 };
 
-constexpr std::int64_t most_triangles = 500'000'000;  // up to three vertices each, whose indices must fit int32
-constexpr std::int64_t least_to_keep = 5'000;         // with fewer, simulating is as fast as reading
+constexpr std::int64_t most_triangles = 500'000'000;     // up to three vertices each, whose indices must fit int32
+constexpr std::int64_t fewest_cached_triangles = 5'000;  // with fewer, simulating is as fast as reading
 
 [[noreturn]] void fail(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
 
@@ -84,7 +84,7 @@ Animation::Animation(std::string_view name, const Parameters& parameters, Progre
     const Entry& entry = implementation_->entry;
     if (p.triangles == 0) p.triangles = entry.description.triangles;
     if (!entry.simulate) return;
-    const bool kept = p.triangles >= least_to_keep;
+    const bool kept = p.triangles >= fewest_cached_triangles;
     const std::string key = std::string(name) + "-" + std::to_string(p.triangles) + "-" + std::to_string(p.seed);
     implementation_->simulated = std::make_unique<SimulatedFrames>(entry.simulate(p), kept ? key : "");
 }

@@ -31,7 +31,7 @@ void Soup::triangle(Vec3d a, Vec3d b, Vec3d c) {
     triangle({first, first + 1, first + 2});
 }
 
-void add_globe(Soup& soup, int slices, int stacks, const Pose& pose) {
+void add_globe(Soup& soup, int slices, int stacks, const ScaledPose& pose) {
     const std::int32_t north = soup.vertex(pose({0, 0, 1})), south = soup.vertex(pose({0, 0, -1}));
     const std::int32_t first = south + 1;
     for (int j = 1; j < stacks; ++j) {
@@ -69,7 +69,7 @@ class Lattice {
 
 }  // namespace
 
-void add_icosphere(Soup& soup, int cuts, const Pose& pose) {
+void add_icosphere(Soup& soup, int cuts, const ScaledPose& pose) {
     // Corners are (0, ±1, ±g) and their cyclic permutations, g being the golden ratio. The key of a vertex is the sum
     // of the face's corners times the vertex's integer weights, with 2 in place of g.
     const double golden = (1 + std::sqrt(5.0)) / 2;
@@ -113,7 +113,7 @@ void add_icosphere(Soup& soup, int cuts, const Pose& pose) {
     }
 }
 
-void add_box(Soup& soup, int cuts, Vec3d half, const Pose& pose) {
+void add_box(Soup& soup, int cuts, Vec3d half, const ScaledPose& pose) {
     Lattice lattice;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         for (int side = 0; side <= cuts; side += cuts) {
@@ -136,7 +136,7 @@ void add_box(Soup& soup, int cuts, Vec3d half, const Pose& pose) {
     }
 }
 
-void add_torus(Soup& soup, int around, int across, double tube, const Pose& pose) {
+void add_torus(Soup& soup, int around, int across, double tube, const ScaledPose& pose) {
     std::vector<std::int32_t> vertices;
     for (int i = 0; i < around; ++i) {
         for (int j = 0; j < across; ++j) {

@@ -32,7 +32,7 @@ class Soup {
 };
 
 /// Scaling followed by a rigid motion: origin + axes * (scale * p).
-struct Pose {
+struct ScaledPose {
     std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
     Vec3d origin{};
     double scale = 1;
@@ -46,12 +46,12 @@ struct Pose {
 // Closed and watertight solids: adjacent triangles share vertices by index.
 
 /// Adds a unit sphere of meridians and parallels about z, with 2 * slices * (stacks - 1) triangles.
-void add_globe(Soup& soup, int slices, int stacks, const Pose& pose);
+void add_globe(Soup& soup, int slices, int stacks, const ScaledPose& pose);
 /// Adds a unit sphere, made of an icosahedron whose edges are cut into `cuts` parts: 20 cuts² triangles.
-void add_icosphere(Soup& soup, int cuts, const Pose& pose);
+void add_icosphere(Soup& soup, int cuts, const ScaledPose& pose);
 /// Adds a box of half widths `half`, whose edges are cut into `cuts` parts: 12 cuts² triangles.
-void add_box(Soup& soup, int cuts, Vec3d half, const Pose& pose);
+void add_box(Soup& soup, int cuts, Vec3d half, const ScaledPose& pose);
 /// Adds a torus about z, a tube of radius `tube` along the unit circle, with 2 * around * across triangles.
-void add_torus(Soup& soup, int around, int across, double tube, const Pose& pose);
+void add_torus(Soup& soup, int around, int across, double tube, const ScaledPose& pose);
 
 }  // namespace crumple::scenes

@@ -19,10 +19,10 @@ inline std::array<Vec3d, 3> rotation(Vec3d axis, double turns) {
 
 /// Returns the pose of a body at a frame. The body's start, motion and scale (0.7 to 1.3) are the next numbers of
 /// `random`. `width`: of the cube.
-inline Pose tumbling(Random& random, double width, int frame) {
+inline ScaledPose tumbling(Random& random, double width, int frame) {
     const Vec3d start = random.in_cube(0, width), velocity = random.in_cube(-0.05, 0.05), axis = random.direction();
     const double time = frame, spin = random.uniform(-0.01, 0.01), turns = random.uniform() + spin * time;
-    Pose pose{.axes = rotation(axis, turns), .scale = random.uniform(0.7, 1.3)};
+    ScaledPose pose{.axes = rotation(axis, turns), .scale = random.uniform(0.7, 1.3)};
     for (int k = 0; k < 3; ++k) {
         const double x = start[k] + time * velocity[k];
         pose.origin[k] = x - width * std::floor(x / width);

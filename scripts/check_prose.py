@@ -23,10 +23,10 @@ from pathlib import Path
 REMAINING = {
     "names: query, request": 4,
     "words: query, request": 4,
-    "names: result, report, return": 7,
+    "names: result, report, return": 6,
     "words: result, report, return": 9,
-    "names: on_host, on_device": 3,
-    "names: upload, download, bind, refresh": 8,
+    "names: on_host, on_device": 2,
+    "names: upload, download, bind, refresh": 6,
     "words: upload, download, bind, refresh": 1,
     "names: cached": 9,
     "names: deliver, consume": 3,
@@ -36,9 +36,8 @@ REMAINING = {
     "words: collective error check": 7,
     "names: capacity, reserve, grow": 1,
     "names: arena layout": 2,
-    "names: warm start": 2,
-    "names: in flight, complete, synchronize": 6,
-    "names: proxy triangle": 1,
+    "names: warm start": 1,
+    "names: in flight, complete, synchronize": 5,
     "names: representative vertex": 3,
     "names: codimensional": 2,
     "names: trajectory, swept volume": 2,
@@ -53,7 +52,6 @@ REMAINING = {
     "names: float32 filter, double-double filter, exact": 11,
     "names: extent": 3,
     "files with one name": 1,
-    "types with one name": 31,
 }
 
 # Words with which comments should not begin, and the share of all comments that may do so.

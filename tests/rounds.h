@@ -23,7 +23,7 @@ inline bool thorough() {
 
 /// Returns `usual` times CRUMPLE_ROUNDS if that is set; otherwise `usual`, or a fifth of it under sanitizers, which are
 /// slow.
-inline int more_or_less(int usual) {
+inline int scaled_rounds(int usual) {
     static const char* const times = std::getenv("CRUMPLE_ROUNDS");
     if (times) return usual * std::max(1, std::atoi(times));
     return sanitized ? usual / 5 : usual;

@@ -20,7 +20,7 @@ namespace {
 
 double median_of(std::vector<double> values) { return summarise(std::move(values)).median; }
 
-nlohmann::json distribute_centres(const Workload& workload, int count, const Effort& effort) {
+nlohmann::json distribute_parts(const Workload& workload, int count, const Effort& effort) {
     const Options options{.threads = 1};
     const MeshView mesh = workload.a.view();
     Detector whole(options);
@@ -87,7 +87,7 @@ nlohmann::json study_parts(const StudySettings& settings) {
              "alone: sum / whole", "largest, ms", "speed-up", "owning: sum / whole", "largest, ms", "speed-up"});
         nlohmann::json sizes = nlohmann::json::array();
         for (const int count : {2, 4, 8, 16, 32, 64, 256}) {
-            const nlohmann::json& row = sizes.emplace_back(distribute_centres(workload, count, settings.effort));
+            const nlohmann::json& row = sizes.emplace_back(distribute_parts(workload, count, settings.effort));
             const double members = row["members"], most = row["most_members"];
             std::vector<std::string> cells{
                 std::to_string(count), number(row["whole"]["median"]), number(row["partition"]),

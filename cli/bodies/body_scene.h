@@ -66,7 +66,8 @@ class BodyScene {
     /// limit memory. query_of(count) returns the query for a batch of `count` configurations; take(found, first, count)
     /// consumes the result of the batch that begins with configuration `first`, and returns true to continue.
     template <class QueryOf, class Take>
-    void search_all(Search& search, const std::vector<Pose>& poses, bool self, QueryOf query_of, Take take) const;
+    void search_all(SearchSession& search, const std::vector<Pose>& poses, bool self, QueryOf query_of,
+                    Take take) const;
 
    private:
     BodyOrigins origins_;  // declared before mesh_, because the initialisation of mesh_ fills it
@@ -75,7 +76,7 @@ class BodyScene {
 };
 
 template <class QueryOf, class Take>
-void BodyScene::search_all(Search& search, const std::vector<Pose>& poses, bool self, QueryOf query_of,
+void BodyScene::search_all(SearchSession& search, const std::vector<Pose>& poses, bool self, QueryOf query_of,
                            Take take) const {
     constexpr std::size_t bodies_at_once = 100'000;
     const io::WorldView view = mesh_.view(1);

@@ -58,7 +58,8 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
     return added;
 }
 
-FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output) {
+FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const OverlapOptions& options,
+                            Output output) {
     if (scene.names().empty()) refuse("overlaps are those of bodies; " + scene.origins().files + " holds none");
     const auto bodies = static_cast<std::int32_t>(scene.names().size());
     const bool has_configurations = !options.bodies.poses.empty();

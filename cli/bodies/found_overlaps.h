@@ -30,7 +30,8 @@ struct FoundOverlaps {
     Statistics statistics;                   ///< sums over all configurations
 };
 /// Finds the overlaps. Throws Error if the world has no body, and as Search::find() does.
-FoundOverlaps find_overlaps(Search& search, const BodyScene& scene, const OverlapOptions& options, Output output);
+FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const OverlapOptions& options,
+                            Output output);
 
 /// Writes a sentence for each row: "lid and pot overlap: volume 0.5 mm^3, mean depth 0.1 mm, normal (0 0 1)".
 void write_text(std::ostream& out, const io::OverlapList& list, const io::OverlapBodies& bodies);

@@ -58,7 +58,7 @@ struct Detect : SearchCommand {
         if (check) fail("--contacts are not printed with --check, unless by -o");
     }
 
-    void write(const std::string& path, const Input& input, const Intersections& found) const {
+    void write(const std::string& path, const InputMeshes& input, const Intersections& found) const {
         const std::string extension = extension_of(path, outputs.format);
         const auto list = list_format(extension);
         if (!is_standard(path)) {
@@ -86,9 +86,9 @@ struct Detect : SearchCommand {
         if (check || query_options.polygons || query_options.part)
             fail("--stream does not go with --check, --polygons or --part");
         check_outputs(outputs.paths, files, query_options);
-        Search search(query_options, options);
+        SearchSession search(query_options, options);
         steps.begin("read");
-        const Input input = read_input(files, query_options);
+        const InputMeshes input = read_input(files, query_options);
         steps.begin("search and write");
         Intersections all;  // holds hit flags and statistics, but no pairs
         all.hit.assign(static_cast<std::size_t>(input.first.triangle_count()), 0);
@@ -130,9 +130,9 @@ struct Detect : SearchCommand {
         const Steps steps(progress);
         if (stream) return run_stream(steps);
         check_outputs(outputs.paths, files, query_options);
-        Search search(query_options, options);
+        SearchSession search(query_options, options);
         steps.begin("read");
-        const Input input = read_input(files, query_options);
+        const InputMeshes input = read_input(files, query_options);
         steps.begin("search");
         if (only_status() && !stats) return report(search.any(input), words_of_pairs);
         const Intersections& of_triangles = search.find(input);

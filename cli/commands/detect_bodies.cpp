@@ -122,7 +122,7 @@ std::string summary(const BodyList& list) {
 
 bool has_summary(const BodyTask& task) { return !std::all_of(task.outputs.begin(), task.outputs.end(), is_standard); }
 
-int find_once(const BodyTask& task, Search& search, const BodyScene& scene, const Steps& steps) {
+int find_once(const BodyTask& task, SearchSession& search, const BodyScene& scene, const Steps& steps) {
     const io::WorldView view = scene.mesh().view();
     const std::vector<Body> bodies = scene.bodies(1, true);
     const World world{view.shapes, bodies, view.poses};
@@ -178,7 +178,7 @@ void add(const Intersections& found, std::size_t count, ConfigurationList& list)
     list.milliseconds += found.statistics.milliseconds;
 }
 
-int find_configurations(const BodyTask& task, Search& search, const BodyScene& scene, const Steps& steps) {
+int find_configurations(const BodyTask& task, SearchSession& search, const BodyScene& scene, const Steps& steps) {
     const std::vector<Pose> poses = scene.read_poses(task.bodies.poses);
     const bool only_status = task.check && task.outputs.empty();
     const Output output = only_status ? Output::any : task.bodies.any ? Output::any_by_world : Output::body_pairs;
@@ -243,7 +243,7 @@ int detect_bodies(const BodyTask& task) {
     task.bodies.add_files(inputs);
     check_standard_input(inputs);
     check_outputs(task.outputs, inputs, task.query_options);
-    Search search(task.query_options, task.bodies.containment ? feature_options(task.options) : task.options);
+    SearchSession search(task.query_options, task.bodies.containment ? feature_options(task.options) : task.options);
     const Steps steps(task.progress);
     steps.begin("read");
     const BodyScene scene(task.files, task.query_options, task.bodies);

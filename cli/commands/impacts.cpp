@@ -61,7 +61,7 @@ struct ImpactsCommand : SearchCommand {
     int list_impacts() const {
         check_impacts();
         check_outputs(outputs.paths, {start, end}, query_options);
-        Search search(query_options, feature_options(options));
+        SearchSession search(query_options, feature_options(options));
         const Steps steps(progress);
         steps.begin("read");
         const MovingInput input = read_moving_input(start, end, query_options);
@@ -83,7 +83,7 @@ struct ImpactsCommand : SearchCommand {
         return finish(found.any, summary(found, input.start.triangle_count()));
     }
 
-    int stream_impacts(Search& search, const MovingInput& input) const {
+    int stream_impacts(SearchSession& search, const MovingInput& input) const {
         const auto find = [&](auto take) {
             return search.stream(input.start, motion.query(query_options, Output::pairs), take, &input.end);
         };
@@ -112,7 +112,7 @@ struct ImpactsCommand : SearchCommand {
         outputs.check("candidates", {});
         check_stream();
         check_outputs(outputs.paths, {start, end}, query_options);
-        Search search(query_options, feature_options(options));
+        SearchSession search(query_options, feature_options(options));
         const Steps steps(progress);
         steps.begin("read");
         const StepOrStatic input = read_step_or_static(start, end, query_options);
@@ -127,7 +127,7 @@ struct ImpactsCommand : SearchCommand {
         if (stats) print_statistics(found.statistics, kinds_of(found));
         steps.begin("write");
         outputs.write([&](auto& to, io::PairFormat format) { io::write_candidates(to, found, format); });
-        const Tally tally{found.count, {}, found.statistics.milliseconds};
+        const ResultSize tally{found.count, {}, found.statistics.milliseconds};
         return finish(found.count > 0, summary_of(tally, kinds_of(found), words_of_candidates, triangles));
     }
 };

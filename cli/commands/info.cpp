@@ -55,13 +55,13 @@ std::string text_of_point(const io::TriangleMesh& mesh, const Point& p) {
     return fmt::format("{} {} {}", static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]));
 }
 
-struct Box {
+struct BoundingBox {
     Point low, high;
 };
 
-std::optional<Box> box_of(const io::TriangleMesh& mesh) {
+std::optional<BoundingBox> box_of(const io::TriangleMesh& mesh) {
     if (mesh.vertex_count() == 0) return std::nullopt;
-    Box box{point_of(mesh, 0), point_of(mesh, 0)};
+    BoundingBox box{point_of(mesh, 0), point_of(mesh, 0)};
     for (std::int32_t v = 1; v < mesh.vertex_count(); ++v) {
         const Point p = point_of(mesh, v);
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -94,7 +94,7 @@ struct Report {
 
     std::int64_t vertices, unused, triangles;
     const char* precision;
-    std::optional<Box> box;
+    std::optional<BoundingBox> box;
     std::vector<std::int32_t> degenerate, duplicated;
     EdgeReport edges;
     std::optional<Array<OpenEdge>> listed;

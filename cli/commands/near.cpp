@@ -41,12 +41,12 @@ struct NearCommand : SearchCommand {
         if (Ranks::count() > 1) return list_on_ranks();
         check_outputs(outputs.paths, inputs, query_options);
         check_standard_input(inputs);
-        Search search(query_options, feature_options(options));
+        SearchSession search(query_options, feature_options(options));
         const Steps steps(progress);
         steps.begin("read");
         const QueryOptions reading =
             with_lines_and_points(filters.rest.empty() ? query_options : reading_of_motion(query_options));
-        Input input = read_input(files, reading);
+        InputMeshes input = read_input(files, reading);
         const NearFilters given(filters, input, reading);
         ProximityQuery query = near.query(query_options, output());
         given.apply(query);

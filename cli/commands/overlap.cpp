@@ -116,7 +116,7 @@ struct OverlapCommand : SearchCommand {
         overlap.bodies.add_files(inputs);
         check_standard_input(inputs);
         check_outputs(outputs.paths, inputs, query_options);
-        Search search(query_options, feature_options(options));
+        SearchSession search(query_options, feature_options(options));
         const Steps steps(progress);
         steps.begin("read");
         const BodyScene scene(files, query_options, overlap.bodies);

@@ -48,7 +48,7 @@ struct Sequence {
     int run() const {
         check_impacts();
         if (!outputs.empty() || !format.empty()) check_format(outputs, format);
-        std::vector<Table> tables;
+        std::vector<StatisticsTable> tables;
         std::vector<std::string> pictures;
         std::string standard =
             outputs.empty() ? (json ? ".json" : ".csv") : "";  // extension of standard output; empty: not used
@@ -70,10 +70,10 @@ struct Sequence {
         }
         if (scene.empty() && (parameters.triangles || parameters.seed != scenes::Parameters().seed))
             fail("--triangles and --seed are for a --scene");
-        Frames frames(files, scene, parameters);
+        SequenceFrames frames(files, scene, parameters);
         check_outputs(files_written(pictures, frames.count()), files, query_options);
         if (impacts && frames.count() < 2) fail("--impacts is of two frames or more");
-        Search search(query_options, impacts ? feature_options(options) : options);
+        SearchSession search(query_options, impacts ? feature_options(options) : options);
         if (standard.empty()) return find(search, frames, tables, {pictures, nullptr, frames.count()});
         int status = done;
         to_standard_output([&](std::ostream& out) {
@@ -101,7 +101,7 @@ struct Sequence {
     }
 
     /// Finds the impacts of the step from `start` to `end`. Then moves `end` to `start`, for the next step.
-    const Impacts& find_step(Search& search, Input& start, Input&& end) const {
+    const Impacts& find_step(SearchSession& search, InputMeshes& start, InputMeshes&& end) const {
         check_same_faces(start, end.name, end.first);
         start.name += " to " + end.name;
         const Impacts& found = search.find(start, motion.query(query_options, Output::pairs), &end.first);
@@ -109,21 +109,22 @@ struct Sequence {
         return found;
     }
 
-    int find(Search& search, Frames& frames, std::vector<Table>& tables, Pictures pictures) const {
+    int find(SearchSession& search, SequenceFrames& frames, std::vector<StatisticsTable>& tables,
+             Pictures pictures) const {
         stop_at_first_interrupt(stop);
         Statistics sum;
         std::int64_t hits = 0;
         const std::size_t count = impacts ? frames.count() - 1 : frames.count();
         Progress progress(count);
         std::size_t i = 0;
-        const auto well = [](const Table& table) { return table.well(); };
+        const auto well = [](const StatisticsTable& table) { return table.well(); };
         const auto add_row = [&](const Statistics& statistics, const FirstImpact& first = {}) {
             progress.clear();
-            for (Table& table : tables) table.add(frames.name(i), statistics, first);
+            for (StatisticsTable& table : tables) table.add(frames.name(i), statistics, first);
             add(sum, statistics);
         };
         try {
-            std::optional<Input> start;
+            std::optional<InputMeshes> start;
             for (; i < count && !stop && std::all_of(tables.begin(), tables.end(), well); ++i) {
                 progress.show(i, frames.name(i));
                 if (impacts) {
@@ -133,18 +134,18 @@ struct Sequence {
                     add_row(found.statistics, found.first);
                     continue;
                 }
-                const Input input = frames.load(i, query_options);
+                const InputMeshes input = frames.load(i, query_options);
                 const Intersections& found = search.find(input);
                 add_row(found.statistics);
                 pictures.add(input, found);
                 hits += count_hits(found);
             }
         } catch (...) {
-            for (Table& table : tables) table.give_up();
+            for (StatisticsTable& table : tables) table.give_up();
             throw;
         }
         progress.clear();
-        for (Table& table : tables) table.finish();
+        for (StatisticsTable& table : tables) table.finish();
         pictures.finish();
         if (stats && impacts) print_statistics(sum, "impacts of all steps");
         if (stats && !impacts) print_statistics(sum, hits);

@@ -49,7 +49,7 @@ std::string json_row(const std::string& frame, const Statistics& s, const FirstI
 
 }  // namespace
 
-void Table::add(const std::string& frame, const Statistics& statistics, const FirstImpact& first) {
+void StatisticsTable::add(const std::string& frame, const Statistics& statistics, const FirstImpact& first) {
     const FirstImpact* const of_step = impacts_ ? &first : nullptr;
     if (!out_) {
         file_ = std::make_unique<io::AtomicFile>(path_);
@@ -64,18 +64,18 @@ void Table::add(const std::string& frame, const Statistics& statistics, const Fi
     ++count_;
 }
 
-void Table::end_rows() {
+void StatisticsTable::end_rows() {
     if (json_) *out_ << "\n]\n";
     out_->flush();
 }
 
-void Table::finish() {
+void StatisticsTable::finish() {
     if (count_ == 0) return;
     end_rows();
     if (file_) file_->commit();
 }
 
-void Table::give_up() {
+void StatisticsTable::give_up() {
     if (count_ > 0 && !file_) end_rows();
 }
 
@@ -85,7 +85,7 @@ Pictures::Pictures(const std::vector<std::string>& outputs, std::ostream* stream
     if (!animated_.empty() || stream) animation_.emplace();
 }
 
-void Pictures::add(const Input& input, const Intersections& found) {
+void Pictures::add(const InputMeshes& input, const Intersections& found) {
     for (const std::string& path : numbered_) {
         io::write_coloured(numbered(path, count_, frames_), input.first, input.second_or_null(), found);
     }

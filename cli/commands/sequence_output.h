@@ -17,12 +17,12 @@
 namespace crumple::cli {
 
 /// Table as CSV or JSON. Each row is flushed when it is added. A file appears only when finish() is called.
-class Table {
+class StatisticsTable {
    public:
     /// Writes to a file. `impacts`: rows are steps from one frame to the next.
-    Table(const std::string& path, bool json, bool impacts) : path_(path), json_(json), impacts_(impacts) {}
+    StatisticsTable(const std::string& path, bool json, bool impacts) : path_(path), json_(json), impacts_(impacts) {}
     /// Writes to a stream, which must outlive the table.
-    Table(std::ostream& out, bool json, bool impacts) : out_(&out), json_(json), impacts_(impacts) {}
+    StatisticsTable(std::ostream& out, bool json, bool impacts) : out_(&out), json_(json), impacts_(impacts) {}
 
     /// Adds a row. `first`: first impact of a step; ignored if rows are frames. Throws Error (file) if the file cannot
     /// be created.
@@ -52,7 +52,7 @@ class Pictures {
     /// must outlive this object. `frames`: number of frames, which determines the digits of file numbers.
     Pictures(const std::vector<std::string>& outputs, std::ostream* stream, std::size_t frames);
 
-    void add(const Input& input, const Intersections& found);
+    void add(const InputMeshes& input, const Intersections& found);
     /// Writes the animations. Writes nothing if no frame was added.
     void finish();
 

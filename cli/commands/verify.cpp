@@ -60,12 +60,12 @@ struct Verify {
             return verify_features(features, files, format, query_options, options);
         if (!format.empty() && !is_standard(files.back()))
             throw Error(ErrorCode::invalid_argument, "--format is for a list from standard input, -", Element::option);
-        Search search(query_options, options);
+        SearchSession search(query_options, options);
         check_standard_input(files);
         std::vector<Pair> list = is_standard(files.back())
                                      ? io::read_pairs(std::cin, "standard input" + (format.empty() ? "" : "." + format))
                                      : io::read_pairs(files.back());
-        const Input input = read_input({files.begin(), files.end() - 1}, query_options);
+        const InputMeshes input = read_input({files.begin(), files.end() - 1}, query_options);
         Intersections of_polygons;
         const Intersections& found = search.find(input);
         if (query_options.polygons) of_polygons = io::by_polygon(input.first, input.second_or_null(), found);

@@ -31,14 +31,15 @@ struct Wrong {
 
 /// Words for messages about one kind of list: what is listed, and adjectives for values that are too large or too
 /// small.
-struct Words {
+struct VerdictWords {
     const char *what, *larger, *smaller;
     bool flags;  ///< lists in .txt have flags, so wrong flags are reported
 };
-constexpr Words of_impacts{"impacts", "late", "early", true},
+constexpr VerdictWords of_impacts{"impacts", "late", "early", true},
     of_triangle_pairs{"pairs of triangles", "late", "early", true}, of_near{"near pairs", "far", "close", false};
 
-int print_verdict(const io::FeatureList& list, const io::FeatureList& right_list, const Words& words, bool has_bodies) {
+int print_verdict(const io::FeatureList& list, const io::FeatureList& right_list, const VerdictWords& words,
+                  bool has_bodies) {
     std::vector<Wrong> larger, smaller;  // rows whose listed value is larger, smaller than the right one
     const auto comparison =
         compare_rows(list.rows, right_list.rows, features_of, [&](FeatureRow listed, const FeatureRow& exact) {
@@ -98,7 +99,7 @@ auto read_list(const std::string& path, const std::string& format, bool two_file
 }
 
 int verify_impacts(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
-                   const QueryOptions& query_options, Search& search) {
+                   const QueryOptions& query_options, SearchSession& search) {
     const io::FeatureList list = read_list(
         files.back(), format, false, [](const auto& path) { return io::read_impacts(path); },
         [](auto& in, const auto& name) { return io::read_impacts(in, name); });
@@ -115,7 +116,7 @@ int verify_impacts(const FeatureCheck& check, const std::vector<std::string>& fi
 }
 
 int verify_candidates(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
-                      const QueryOptions& query_options, Search& search) {
+                      const QueryOptions& query_options, SearchSession& search) {
     const io::CandidateRows list = read_list(
         files.back(), format, false, [](const auto& path) { return io::read_candidates(path); },
         [](auto& in, const auto& name) { return io::read_candidates(in, name); });
@@ -126,12 +127,12 @@ int verify_candidates(const FeatureCheck& check, const std::vector<std::string>&
 }
 
 int verify_near(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
-                const QueryOptions& query_options, Search& search) {
+                const QueryOptions& query_options, SearchSession& search) {
     const bool two_files = files.size() == 3;
     const io::FeatureList list = read_list(
         files.back(), format, two_files, [](const auto& path) { return io::read_near(path); },
         [](auto& in, const auto& name) { return io::read_near(in, name); });
-    const Input input = read_input({files.begin(), files.end() - 1}, with_lines_and_points(query_options));
+    const InputMeshes input = read_input({files.begin(), files.end() - 1}, with_lines_and_points(query_options));
     const Proximities& found = search.find(input, check.near.query(query_options, Output::pairs));
     return print_verdict(list, io::list_of(found), of_near, two_files);
 }
@@ -170,7 +171,7 @@ void add_feature_check_options(CLI::App& app, FeatureCheck& check) {
 int verify_features(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
                     const QueryOptions& query_options, const Options& options) {
     if (check.impacts && files.size() != 3) refuse("verify --impacts takes START, END and a list");
-    Search search(query_options, feature_options(options));
+    SearchSession search(query_options, feature_options(options));
     check_standard_input(files);
     if (check.impacts) return verify_impacts(check, files, format, query_options, search);
     if (check.candidates) return verify_candidates(check, files, format, query_options, search);

@@ -102,7 +102,7 @@ int verify_overlaps(const OverlapCheck& check, const std::vector<std::string>& f
     std::vector<std::string> inputs = files;
     check.options.bodies.add_files(inputs);
     check_standard_input(inputs);
-    Search search(query_options, feature_options(options));
+    SearchSession search(query_options, feature_options(options));
     const BodyScene scene({files.begin(), files.end() - 1}, query_options, check.options.bodies);
     const bool has_configurations = !check.options.bodies.poses.empty();
     const io::OverlapList list =

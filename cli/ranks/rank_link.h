@@ -27,7 +27,7 @@ class RankLink {
     int rank() const { return transport_.rank(); }
     int ranks() const { return transport_.size(); }
     bool is_first() const { return rank() == 0; }
-    distribute::Rounds& rounds() { return rounds_; }
+    distribute::MessageBatches& rounds() { return rounds_; }
 
     /// Collective error check: runs work() on each rank. If it throws on any rank, throws the same Error on all ranks.
     /// Use it for all work that may fail on one rank only, because the other ranks would wait for that rank forever.
@@ -77,8 +77,8 @@ class RankLink {
     }
 
     distribute::MpiTransport transport_;
-    distribute::Rounds rounds_;
-    distribute::Agreement agreement_;
+    distribute::MessageBatches rounds_;
+    distribute::CollectiveCheck agreement_;
 };
 
 }  // namespace crumple::cli

@@ -79,11 +79,11 @@ void print_phases(mpi::Detector& detector, const Steps& steps) {
 }
 
 /// Description of a result: the remark in the table of --stats, and the summary.
-struct Description {
+struct ResultTexts {
     std::string remark, summary;
 };
 
-Description description_of(RankLink& link, const IntersectionQuery&, const DistributedIntersections& found,
+ResultTexts description_of(RankLink& link, const IntersectionQuery&, const DistributedIntersections& found,
                            io::Blocks triangles, double milliseconds) {
     const std::int64_t hits = count_hits(link, found, triangles);
     return {fmt::format("{} triangles collide", grouped(hits)),
@@ -92,9 +92,9 @@ Description description_of(RankLink& link, const IntersectionQuery&, const Distr
 
 /// Describes impacts or near pairs.
 template <class Query>
-Description description_of(RankLink& link, const Query& query, const typename Query::DistributedResult& found,
+ResultTexts description_of(RankLink& link, const Query& query, const typename Query::DistributedResult& found,
                            io::Blocks triangles, double milliseconds) {
-    Tally tally{found.count, {}, milliseconds};
+    ResultSize tally{found.count, {}, milliseconds};
     for (std::size_t kind = 0; kind < tally.by_kind.size(); ++kind)
         tally.by_kind[kind] = link.sum(static_cast<std::int64_t>(found.lists[kind].pairs.size()));
     if constexpr (std::is_same_v<Query, ProximityQuery>) {
@@ -165,7 +165,7 @@ int search(RankLink& link, const SearchCommand& command, const std::vector<std::
     statistics.search.triangles = input.triangles.rows;
     statistics.search.pairs = found.count;
     statistics = total(link, statistics);
-    const Description description = description_of(link, query, found, input.triangles, statistics.milliseconds);
+    const ResultTexts description = description_of(link, query, found, input.triangles, statistics.milliseconds);
     if (command.stats) print_statistics(link, statistics, description.remark);
     if (command.only_status()) return report();
     steps.begin("write");

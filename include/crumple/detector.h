@@ -31,18 +31,18 @@ template <class Query, class... Of>
 concept OneOf = (std::same_as<Query, Of> || ...);
 /// Queries that can be made about one part of a scene (Detector::partition).
 template <class Query>
-concept PairQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>;
+concept PartQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>;
 /// Queries that Detector::any takes.
 template <class Query>
-concept FlagQuery = PairQuery<Query> || OneOf<Query, OverlapQuery>;
+concept FlagQuery = PartQuery<Query> || OneOf<Query, OverlapQuery>;
 /// Queries whose rows can be delivered in blocks (Detector::stream) or left on a device (Detector::launch).
 template <class Query>
-concept RowQuery = PairQuery<Query> || OneOf<Query, CandidateQuery>;
+concept BlockQuery = PartQuery<Query> || OneOf<Query, CandidateQuery>;
 /// Queries that Detector::find takes: all.
 template <class Query>
-concept AnyQuery = RowQuery<Query> || OneOf<Query, DistanceQuery, OverlapQuery, FirstImpactQuery, FreeStepQuery>;
+concept AnyQuery = BlockQuery<Query> || OneOf<Query, DistanceQuery, OverlapQuery, FirstImpactQuery, FreeStepQuery>;
 
-template <RowQuery Query>
+template <BlockQuery Query>
 class LaunchTicket;
 
 /// Searches scenes, exactly and completely. The type of the query selects what is searched for and the type of the
@@ -126,7 +126,7 @@ class CRUMPLE_API Detector {
     /// exception that it throws ends the call, and so does a stop; some blocks may have been delivered by then. Throws
     /// Error (invalid_argument) for options that blocks do not support: `triangle_pairs`, `least`, `index` of queries
     /// about features, and less output than pairs.
-    template <RowQuery Query = IntersectionQuery>
+    template <BlockQuery Query = IntersectionQuery>
     Statistics stream(const Scene& scene, const Query& query,
                       FunctionRef<void(const typename Query::Result& block)> take,
                       std::int64_t block_rows = std::int64_t{1} << 18, std::stop_token stop = {});
@@ -142,7 +142,7 @@ class CRUMPLE_API Detector {
     /// host memory. Cost: up to 64 distances for each triangle and level (PartLevel), on all threads of the cpu
     /// backend, and the copies of the triangles. Parts, and the memory to make them, are not counted by the memory
     /// limit. A stop has no effect after the meshes have been read.
-    template <PairQuery Query = IntersectionQuery>
+    template <PartQuery Query = IntersectionQuery>
     std::vector<Part> partition(const Scene& scene, const Query& query, int count, std::stop_token stop = {});
 
     /// Swaps the last result of this type with `other`. Afterwards `other` outlives the detector's next call and the
@@ -201,7 +201,7 @@ class CRUMPLE_API Detector {
     /// all worlds count in each. Throws Error (invalid_argument) if there are more (find() has no such limit), for
     /// Output::body_pairs, and for `index`. Cost: that of a mesh with the triangles of all worlds, whatever the output;
     /// the host compares bodies in some nanoseconds each.
-    template <RowQuery Query = IntersectionQuery>
+    template <BlockQuery Query = IntersectionQuery>
     LaunchTicket<Query> launch(const Scene& scene, const Query& query = {});
 
     /// Returns the options that the detector was made with.
@@ -215,7 +215,7 @@ class CRUMPLE_API Detector {
     std::string_view fallback() const;
 
    private:
-    template <RowQuery Query>
+    template <BlockQuery Query>
     friend class LaunchTicket;
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
@@ -223,7 +223,7 @@ class CRUMPLE_API Detector {
 
 /// Ticket of a launch (Detector::launch): a value that is cheap to copy. Its functions are calls of the detector, which
 /// must be alive; the detector may have been moved in the meantime.
-template <RowQuery Query>
+template <BlockQuery Query>
 class CRUMPLE_API LaunchTicket {
    public:
     /// Waits for the launch and returns its complete result, in device memory. Throws Error on bad input, with a

@@ -61,7 +61,7 @@ nb::tuple state_of(nb::handle owner, const PartMesh& mesh) {
     return nb::make_tuple(arrays[0], arrays[1], arrays[2], column(owner, mesh.ids));
 }
 
-PartMesh mesh_of(nb::handle given) {
+PartMesh mesh_from_state(nb::handle given) {
     nb::tuple state;
     nb::ndarray<const float, nb::c_contig, nb::device::cpu> single;
     if (!nb::try_cast(given, state, false) || state.size() != 4) throw InvalidType(wrong_state);
@@ -90,8 +90,8 @@ Part part_from(nb::handle given) {
     if (!nb::try_cast(given, state, false) || state.size() != 6 || !nb::try_cast(state[0], part.index, false) ||
         !nb::try_cast(state[1], part.count, false) || !nb::try_cast(state[4], levels, false))
         throw InvalidType(wrong_state);
-    part.mesh = mesh_of(state[2]);
-    if (!state[3].is_none()) part.second = mesh_of(state[3]);
+    part.mesh = mesh_from_state(state[2]);
+    if (!state[3].is_none()) part.second = mesh_from_state(state[3]);
     if (!state[5].is_none()) part.features = features_from(state[5]);
     for (const nb::handle item : levels) {
         nb::tuple level;

@@ -11,20 +11,21 @@ namespace crumple::scenes {
 namespace {
 
 /// Edge of a triangle, with its ends in ascending order, and the triangle's opposite corner.
-struct Side {
+struct FabricSide {
     std::int32_t low, high, across;
 };
 
-std::vector<Side> sides_of(std::span<const Fabric::Corners> triangles) {
-    std::vector<Side> sides;
+std::vector<FabricSide> sides_of(std::span<const Fabric::Corners> triangles) {
+    std::vector<FabricSide> sides;
     for (const Fabric::Corners& t : triangles) {
         for (std::size_t k = 0; k < 3; ++k) {
             const std::int32_t a = t[k], b = t[(k + 1) % 3];
             sides.push_back({std::min(a, b), std::max(a, b), t[(k + 2) % 3]});
         }
     }
-    std::stable_sort(sides.begin(), sides.end(),
-                     [](const Side& s, const Side& t) { return std::pair(s.low, s.high) < std::pair(t.low, t.high); });
+    std::stable_sort(sides.begin(), sides.end(), [](const FabricSide& s, const FabricSide& t) {
+        return std::pair(s.low, s.high) < std::pair(t.low, t.high);
+    });
     return sides;
 }
 
@@ -57,7 +58,7 @@ void ClothSolver::set_fabric(const Fabric& fabric) {
         const double stiffness = across ? bend : bias < 0.5 ? std::numeric_limits<double>::infinity() : shear;
         springs_.push_back({a, b, rest, stiffness});
     };
-    const std::vector<Side> sides = sides_of(triangles_);
+    const std::vector<FabricSide> sides = sides_of(triangles_);
     for (std::size_t i = 0; i < sides.size(); ++i) {
         const bool again = i > 0 && sides[i].low == sides[i - 1].low && sides[i].high == sides[i - 1].high;
         if (again) {
@@ -90,7 +91,7 @@ void ClothSolver::step(double dt, std::span<const Collider* const> bodies, doubl
     pull(dt);
     for (const SelfContact& contact : contacts_) part(contact, age);
     push_out(bodies, dt);
-    read_velocities(dt);
+    derive_velocities(dt);
 }
 
 StepLength ClothSolver::step_freely(double dt, int substeps) {
@@ -109,13 +110,13 @@ StepLength ClothSolver::step_freely(double dt, int substeps) {
     for (int i = 1; i <= substeps; ++i) {
         pull(h);
         for (const NearContact& contact : contacts) part(contact, i * h);
-        read_velocities(h);
+        derive_velocities(h);
     }
-    wanted_ = points;
+    unshortened_ = points;
     const auto [toi, share] = near_->shorten(start_, points, held);
     std::size_t held_back = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (points[i] == wanted_[i]) continue;
+        if (points[i] == unshortened_[i]) continue;
         ++held_back;
         if (!held[i]) velocities[i] = (1 / dt) * (points[i] - start_[i]);
     }
@@ -128,7 +129,7 @@ void ClothSolver::pull(double dt) {
     for (std::size_t i = springs_.size(); i-- > 0;) keep_distance(springs_[i], dt);
 }
 
-void ClothSolver::read_velocities(double dt) {
+void ClothSolver::derive_velocities(double dt) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!held[i]) velocities[i] = (1 / dt) * (points[i] - before_[i]);
     }

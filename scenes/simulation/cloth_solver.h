@@ -105,7 +105,7 @@ class ClothSolver {
     /// Predicts positions, then moves points along the springs to restore their lengths.
     void pull(double dt);
     void predict(double dt);
-    void read_velocities(double dt);
+    void derive_velocities(double dt);
     void keep_distance(const Spring& spring, double dt);
     /// Moves the two features of a contact apart. `age`: seconds from the search that found the contact to the end of
     /// the step.
@@ -123,7 +123,7 @@ class ClothSolver {
     std::vector<Fabric::Corners> obstacles_;
     std::vector<Vec3d> goals_;      ///< target positions of the obstacles' points
     std::vector<double> friction_;  ///< Coulomb's coefficients of the obstacles' points
-    std::vector<Vec3d> start_, wanted_;
+    std::vector<Vec3d> start_, unshortened_;
     std::optional<NearContactFinder> near_;
 };
 

@@ -7,7 +7,7 @@
 
 namespace crumple::scenes {
 
-Nearest Ball::nearest(Vec3d point) const {
+Nearest MovingBall::nearest(Vec3d point) const {
     const Vec3d arm = point - centre;
     const double far = length(arm);
     const Vec3d normal = far > 0 ? (1 / far) * arm : Vec3d{0, 0, 1};

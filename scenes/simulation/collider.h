@@ -37,7 +37,7 @@ class Floor : public Collider {
 };
 
 /// Ball that moves, spins and grows.
-class Ball : public Collider {
+class MovingBall : public Collider {
    public:
     Vec3d centre{}, velocity{}, spin{};  ///< spin: axis of length 1, times radians per second
     double radius = 1, growth = 0;       ///< units; units per second

@@ -12,15 +12,15 @@ using Edge = std::pair<std::int32_t, std::int32_t>;  // ascending
 
 Edge edge_of(std::int32_t a, std::int32_t b) { return std::minmax(a, b); }
 
-struct Crossing {
+struct CutPoint {
     double share;                       // place on the edge: 0 at the end with the lower index
     bool open = true;                   // true if every triangle at the edge is cut through
     std::int32_t above = 0, below = 0;  // indices of the points on either side of the cut
 };
 
-class Cutter {
+class MeshCutter {
    public:
-    Cutter(const Fabric& uncut, std::span<const Cut> cuts) : uncut_(uncut), cuts_(cuts) {}
+    MeshCutter(const Fabric& uncut, std::span<const Cut> cuts) : uncut_(uncut), cuts_(cuts) {}
 
     CutFabric run() {
         find_crossings();
@@ -56,7 +56,7 @@ class Cutter {
                 const Edge edge = edge_of(t[k], t[(k + 1) % 3]);
                 const auto share = share_of(edge);
                 if (!share) continue;
-                crossings_.try_emplace(edge, Crossing{.share = *share});
+                crossings_.try_emplace(edge, CutPoint{.share = *share});
                 ++crossed;
             }
             if (crossed != 1) continue;
@@ -67,7 +67,7 @@ class Cutter {
         }
     }
 
-    void make_points(Edge edge, Crossing& crossing) {
+    void make_points(Edge edge, CutPoint& crossing) {
         const auto& p = flat(edge.first);
         const auto& q = flat(edge.second);
         const double s = crossing.share;
@@ -82,7 +82,7 @@ class Cutter {
         crossing.below = crossing.open ? add(true) : crossing.above;
     }
 
-    const Crossing* crossing_of(std::int32_t a, std::int32_t b) const {
+    const CutPoint* crossing_of(std::int32_t a, std::int32_t b) const {
         const auto found = crossings_.find(edge_of(a, b));
         return found == crossings_.end() ? nullptr : &found->second;
     }
@@ -92,7 +92,7 @@ class Cutter {
         for (std::size_t k = 0; k < 3;
              ++k) {  // finds a, which is alone on its side of a cut, or a and b, if only the edge a b is crossed
             const std::int32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
-            const Crossing *ab = crossing_of(a, b), *bc = crossing_of(b, c), *ca = crossing_of(c, a);
+            const CutPoint *ab = crossing_of(a, b), *bc = crossing_of(b, c), *ca = crossing_of(c, a);
             if (!ab || bc) continue;
             if (!ca) {
                 triangles.push_back({a, ab->above, c});
@@ -100,8 +100,8 @@ class Cutter {
                 return;
             }
             const bool above = is_above(a, b);
-            const auto near = [&](const Crossing& x) { return above ? x.above : x.below; };
-            const auto far = [&](const Crossing& x) { return above ? x.below : x.above; };
+            const auto near = [&](const CutPoint& x) { return above ? x.above : x.below; };
+            const auto far = [&](const CutPoint& x) { return above ? x.below : x.above; };
             triangles.push_back({a, near(*ab), near(*ca)});
             triangles.push_back({far(*ab), b, c});
             triangles.push_back({far(*ab), c, far(*ca)});
@@ -121,15 +121,15 @@ class Cutter {
 
     const Fabric& uncut_;
     std::span<const Cut> cuts_;
-    std::map<Edge, Crossing> crossings_;
+    std::map<Edge, CutPoint> crossings_;
     CutFabric result_;
 };
 
 }  // namespace
 
-CutFabric cut(const Fabric& uncut, std::span<const Cut> cuts) { return Cutter(uncut, cuts).run(); }
+CutFabric cut(const Fabric& uncut, std::span<const Cut> cuts) { return MeshCutter(uncut, cuts).run(); }
 
-void go_on_with(ClothSolver& solver, const CutFabric& before, const CutFabric& after) {
+void switch_fabric(ClothSolver& solver, const CutFabric& before, const CutFabric& after) {
     const std::vector<Vec3d> points = solver.points, velocities = solver.velocities;
     solver.set_fabric(after.fabric);
     const std::size_t uncut = after.fabric.flat.size() - after.made.size();

@@ -39,6 +39,6 @@ CutFabric cut(const Fabric& uncut, std::span<const Cut> cuts);
 
 /// Changes the fabric of a solver to the same fabric with longer cuts. New points get the position and velocity of the
 /// point, or of the place on an edge, that they were cut out of.
-void go_on_with(ClothSolver& solver, const CutFabric& before, const CutFabric& after);
+void switch_fabric(ClothSolver& solver, const CutFabric& before, const CutFabric& after);
 
 }  // namespace crumple::scenes

@@ -55,7 +55,7 @@ std::vector<Part> BackendBase::partition(const MeshView&, const MeshView*, int) 
 LaunchNumber BackendBase::launch(const MeshView&, const MeshView*, const IntersectionQuery&) { refuse(); }
 const DeviceIntersections& BackendBase::wait(LaunchNumber) { refuse(); }
 void BackendBase::download(LaunchNumber, Intersections&) { refuse(); }
-DeviceFeatureCalls& BackendBase::device_feature_search() { refuse(); }
+DeviceFeatureCalls& BackendBase::device_feature_calls() { refuse(); }
 bool BackendBase::find(const World&, const IntersectionQuery&, Intersections&) { refuse_worlds(); }
 std::vector<Pose> BackendBase::poses_of(const DevicePoses&) { refuse_worlds(); }
 LaunchNumber BackendBase::launch(const World&, const IntersectionQuery&) { refuse_worlds(); }

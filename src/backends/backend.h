@@ -85,7 +85,7 @@ class BackendBase : public ParallelFor {
     virtual const DeviceIntersections& wait(LaunchNumber launch);
     virtual void download(LaunchNumber launch, Intersections& result);
     /// Returns the calls for feature queries on meshes in device memory.
-    virtual DeviceFeatureCalls& device_feature_search();
+    virtual DeviceFeatureCalls& device_feature_calls();
     /// Calls for worlds whose poses lie in device memory. find() returns false if one scene cannot hold all worlds, and
     /// throws MemoryMeter::Exceeded if memory does not suffice. In both cases the caller downloads the poses by
     /// poses_of() and searches the world with poses on the host.

@@ -9,10 +9,10 @@
 namespace crumple {
 namespace {
 
-FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const MinDistance& separation,
-                                 FeatureCounts& counts) {
+FeatureDecision min_distance_impact(FeatureKind kind, const FeaturePoints& p, const MinDistance& min_distance,
+                                    FeatureCounts& counts) {
     MinDistanceCounts by;
-    const Impact impact = decide_min_distance(kinds_of(kind), p, separation, by);
+    const Impact impact = decide_min_distance(kinds_of(kind), p, min_distance, by);
     counts.rational += by.rational;
     return {impact.meets, impact.toi, impact.start};
 }
@@ -20,9 +20,9 @@ FeatureDecision separated_impact(FeatureKind kind, const FeaturePoints& p, const
 // Pairs of a vertex and an edge, or of two vertices, are decided as with a minimum distance even for contact, with a
 // minimum distance of 0: they rarely touch, and a lower bound on their distance is cheap.
 FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, const FeatureRequest& query, FeatureCounts& counts) {
-    const MinDistance separation{query.distance, query.share, query.approaching_only};
-    if (!separation.contact_only() || kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
-        return separated_impact(kind, p, separation, counts);
+    const MinDistance min_distance{query.distance, query.share, query.approaching_only};
+    if (!min_distance.contact_only() || kind == FeatureKind::vertex_edge || kind == FeatureKind::vertex_vertex)
+        return min_distance_impact(kind, p, min_distance, counts);
     ImpactCounts by;
     const auto decide = kind == FeatureKind::vertex_face ? vertex_face_impact : edge_edge_impact;
     const Impact impact = decide(p[0], p[1], p[2], p[3], by, Filtered::yes);

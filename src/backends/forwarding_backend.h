@@ -55,7 +55,7 @@ class ForwardingBackend : public BackendBase {
     }
     const DeviceIntersections& wait(LaunchNumber launch) override { return to_->wait(launch); }
     void download(LaunchNumber launch, Intersections& result) override { to_->download(launch, result); }
-    DeviceFeatureCalls& device_feature_search() override { return to_->device_feature_search(); }
+    DeviceFeatureCalls& device_feature_calls() override { return to_->device_feature_calls(); }
     bool find(const World& world, const IntersectionQuery& query, Intersections& result) override {
         return to_->find(world, query, result);
     }

@@ -20,14 +20,14 @@ class PairBudget {
         : scene_(scene), query_(query) {
         const std::int64_t none = result_bytes(scene, query, 0);
         if (meter.limit > 0)
-            room_ = std::max<std::int64_t>((meter.limit - none) / (result_bytes(scene, query, 1) - none), 0);
+            most_pairs_ = std::max<std::int64_t>((meter.limit - none) / (result_bytes(scene, query, 1) - none), 0);
     }
 
     /// Counts newly found pairs. Thread-safe. Throws ResultExceeds if a result with all pairs so far would exceed the
     /// limit, with the bytes of that result.
     void add(std::int64_t pairs) {
         const std::int64_t found = found_.fetch_add(pairs, std::memory_order_relaxed) + pairs;
-        if (found > room_) throw ResultExceeds{{result_bytes(scene_, query_, std::min(found, most))}};
+        if (found > most_pairs_) throw ResultExceeds{{result_bytes(scene_, query_, std::min(found, most))}};
     }
 
    private:
@@ -35,7 +35,7 @@ class PairBudget {
 
     const PreparedScene& scene_;
     const IntersectionQuery& query_;
-    std::int64_t room_ = std::numeric_limits<std::int64_t>::max();  ///< number of pairs that fit the limit
+    std::int64_t most_pairs_ = std::numeric_limits<std::int64_t>::max();  ///< number of pairs that fit the limit
     std::atomic<std::int64_t> found_{0};
 };
 

@@ -72,25 +72,25 @@ StaticWorlds::StaticWorlds(const World& world, const PairFilter& rules, MemoryMe
       shapes_(world.shapes.begin(), world.shapes.end()),
       all_(&meter),
       given_(rules),
-      rules_(&meter),
+      body_filter_(&meter),
       read_(std::make_unique<Read>(&meter)),
       shape_vertices_(&meter),
       bodies_(&meter),
-      first_of_added_(&meter),
+      first_of_occurrence_(&meter),
       first_of_class_(&meter),
-      first_of_world_(&meter),
-      first_of_joined_(&meter),
-      passes_(&meter) {
+      first_of_caller_world_(&meter),
+      first_of_scene_world_(&meter),
+      caller_worlds_(&meter) {
     std::ranges::copy(world.bodies, all_.resize_discard(world.bodies.size()));
     read_->outline.read({shapes_, all_.span(), {}}, rules);
-    rules_.prepare(rules);
+    body_filter_.prepare(rules);
 }
 StaticWorlds::~StaticWorlds() = default;
 
 std::unique_ptr<StaticWorlds> StaticWorlds::make(const World& world, const PairFilter& rules, int worlds_at_once,
                                                  ParallelFor& workers, MemoryMeter& meter) {
     std::unique_ptr<StaticWorlds> made(new StaticWorlds(world, rules, meter));
-    if (!made->choose_passes(worlds_at_once)) return nullptr;
+    if (!made->choose_worlds(worlds_at_once)) return nullptr;
     made->add_bodies(workers);
     made->add_shapes();
     return made;
@@ -100,7 +100,7 @@ std::int32_t StaticWorlds::worlds() const { return read_->outline.worlds(); }
 
 // Collects the indices of the caller's worlds in which a pair is possible; the index worlds() stands for pairs among
 // bodies that are in all worlds. Returns false if one scene cannot hold all of these.
-bool StaticWorlds::choose_passes(int worlds_at_once) {
+bool StaticWorlds::choose_worlds(int worlds_at_once) {
     const WorldOutline& outline = read_->outline;
     const std::int32_t worlds = outline.worlds(), rest = outline.first_body(worlds);
     const auto vertices_of = [&](std::int32_t begin, std::int32_t end) {
@@ -116,11 +116,11 @@ bool StaticWorlds::choose_passes(int worlds_at_once) {
         const std::int64_t own = outline.first_triangle(end) - outline.first_triangle(begin);
         const std::int64_t others = pass < worlds ? outline.triangles() - outline.first_triangle(rest) : 0;
         if (own == 0 || own + others < 2) continue;
-        passes_.push_back(pass);
+        caller_worlds_.push_back(pass);
         triangles += own + others;
         vertices += vertices_of(begin, end) + (pass < worlds ? static_vertices : 0);
-        if (passes_.size() > 1 && triangles > most_triangles) return false;
-        if (static_cast<std::int64_t>(passes_.size()) > worlds_at_once) return false;
+        if (caller_worlds_.size() > 1 && triangles > most_triangles) return false;
+        if (static_cast<std::int64_t>(caller_worlds_.size()) > worlds_at_once) return false;
         if (std::max(triangles, vertices) > std::numeric_limits<std::int32_t>::max()) return false;
     }
     return true;
@@ -165,23 +165,23 @@ void StaticWorlds::add_bodies(ParallelFor& workers) {
     const std::int32_t worlds = outline.worlds(), rest = outline.first_body(worlds);
     const bool float32 = std::all_of(shapes_.begin(), shapes_.end(),
                                      [](const Shape& s) { return s.vertices.type == ScalarType::float32; });
-    scene.begin(float32, rules_);
+    scene.begin(float32, body_filter_);
     const auto add = [&](std::int32_t b, bool everywhere) {
         const auto first = static_cast<std::int32_t>(scene.triangles());
         const bool rounded = outline.shape(b).vertices.type == ScalarType::float32;
         bodies_.push_back({static_cast<std::uint32_t>(scene.vertices()), 0, b, rounded});
-        first_of_added_.push_back(first);
+        first_of_occurrence_.push_back(first);
         scene.add(outline, b, everywhere, workers);
-        while (first_of_class_.size() < rules_.classes.size()) first_of_class_.push_back(first);
+        while (first_of_class_.size() < body_filter_.classes.size()) first_of_class_.push_back(first);
     };
-    first_of_world_.assign(static_cast<std::size_t>(worlds) + 1, 0);
+    first_of_caller_world_.assign(static_cast<std::size_t>(worlds) + 1, 0);
     std::int32_t world = 0;
     const auto begin_worlds = [&](std::int32_t up_to) {
-        for (; world <= up_to; ++world) first_of_world_[world] = scene.triangles();
+        for (; world <= up_to; ++world) first_of_caller_world_[world] = scene.triangles();
     };
-    for (const std::int32_t pass : passes_) {
+    for (const std::int32_t pass : caller_worlds_) {
         begin_worlds(pass);
-        first_of_joined_.push_back(scene.triangles());
+        first_of_scene_world_.push_back(scene.triangles());
         const std::int32_t end = pass < worlds ? outline.first_body(pass + 1) : outline.bodies();
         for (std::int32_t b = outline.first_body(pass); b < end; ++b) add(b, false);
         if (pass < worlds)
@@ -189,10 +189,10 @@ void StaticWorlds::add_bodies(ParallelFor& workers) {
         scene.end_world();
     }
     begin_worlds(worlds);
-    first_of_added_.push_back(scene.triangles());
-    first_of_joined_.push_back(scene.triangles());
+    first_of_occurrence_.push_back(scene.triangles());
+    first_of_scene_world_.push_back(scene.triangles());
     scene_ = scene.scene(outline, false, workers);
-    if (scene_.worlds > 1) scene_.first_of_world = first_of_joined_.data();
+    if (scene_.worlds > 1) scene_.first_of_world = first_of_scene_world_.data();
 }
 
 bool StaticWorlds::is_of(const World& world, const PairFilter& rules) const {
@@ -247,12 +247,12 @@ void StaticWorlds::finish(const IntersectionQuery& query, Intersections& result)
 
 void StaticWorlds::report_flags(std::span<const std::uint8_t> flags, Intersections& result) const {
     for (std::size_t w = 0; w < flags.size(); ++w)
-        if (flags[w]) hit(passes_[w], read_->outline, result);
+        if (flags[w]) hit(caller_worlds_[w], read_->outline, result);
 }
 
 std::size_t StaticWorlds::added_of_triangle(std::int64_t t) const {
-    const auto after = std::upper_bound(first_of_added_.begin(), first_of_added_.end(), t);
-    return static_cast<std::size_t>(after - first_of_added_.begin()) - 1;
+    const auto after = std::upper_bound(first_of_occurrence_.begin(), first_of_occurrence_.end(), t);
+    return static_cast<std::size_t>(after - first_of_occurrence_.begin()) - 1;
 }
 
 // Requires that `found` lists the pairs world by world.
@@ -261,11 +261,11 @@ void StaticWorlds::report_pairs(const Intersections& found, const IntersectionQu
     std::size_t world = 0;
     for (std::size_t i = 0; i < found.pairs.size(); ++i) {
         const Pair& pair = found.pairs[i];
-        while (pair.a >= first_of_joined_[world + 1]) ++world;
+        while (pair.a >= first_of_scene_world_[world + 1]) ++world;
         const std::size_t a = added_of_triangle(pair.a), b = added_of_triangle(pair.b);
-        add_pair(read_->outline, query, passes_[world], {bodies_[a].body, bodies_[b].body},
-                 {static_cast<std::int32_t>(pair.a - first_of_added_[a]),
-                  static_cast<std::int32_t>(pair.b - first_of_added_[b])},
+        add_pair(read_->outline, query, caller_worlds_[world], {bodies_[a].body, bodies_[b].body},
+                 {static_cast<std::int32_t>(pair.a - first_of_occurrence_[a]),
+                  static_cast<std::int32_t>(pair.b - first_of_occurrence_[b])},
                  result);
         const Contacts& c = found.contacts;
         if (query.output == Output::contacts)

@@ -51,15 +51,15 @@ class StaticWorlds {
     std::size_t shape_bytes() const { return shape_vertices_.size(); }
     std::span<const StaticBody> bodies() const { return bodies_.span(); }
     /// True if no two triangles could meet.
-    bool empty() const { return passes_.empty(); }
-    const BodyFilter& rules() const { return rules_; }
+    bool empty() const { return caller_worlds_.empty(); }
+    const BodyFilter& rules() const { return body_filter_; }
     /// Returns, for each class of triangles (BodyFilter::classes), the first triangle in the scene of the body that the
     /// class belongs to.
     std::span<const std::int32_t> first_of_class() const { return first_of_class_.span(); }
     /// Number of the caller's worlds, and the first triangle in the scene of each; the last entry is the first triangle
     /// of the section in which bodies that are in all worlds meet each other.
     std::int32_t worlds() const;
-    std::span<const std::int64_t> first_of_world() const { return first_of_world_.span(); }
+    std::span<const std::int64_t> first_of_world() const { return first_of_caller_world_.span(); }
 
     /// Frees the lists that are needed only for the upload to a device.
     void drop_lists();
@@ -79,7 +79,7 @@ class StaticWorlds {
     struct Read;
 
     StaticWorlds(const World& world, const PairFilter& rules, MemoryMeter& meter);
-    bool choose_passes(int worlds_at_once);
+    bool choose_worlds(int worlds_at_once);
     void add_shapes();
     void add_bodies(ParallelFor& workers);
     std::size_t added_of_triangle(std::int64_t t) const;
@@ -89,17 +89,19 @@ class StaticWorlds {
     Array<Body> all_;            ///< the caller's bodies
     PairFilter given_;
     std::vector<Array<std::uint64_t>> contents_;  ///< by shape: the numbers that its name does not identify
-    BodyFilter rules_;
+    BodyFilter body_filter_;
     std::unique_ptr<Read> read_;
     PreparedScene scene_;
     Array<std::byte> shape_vertices_;
     std::vector<std::uint32_t> shape_first_;
     Array<StaticBody> bodies_;
-    Array<std::int64_t> first_of_added_;  ///< first triangle of each of `bodies_`; and the end
+    Array<std::int64_t> first_of_occurrence_;  ///< first triangle of each of `bodies_`; and the end
     Array<std::int32_t> first_of_class_;
-    Array<std::int64_t> first_of_world_;   ///< first triangle of each of the caller's worlds; then of the last section
-    Array<std::int64_t> first_of_joined_;  ///< first triangle of each world of the scene; and the end
-    Array<std::int32_t> passes_;  ///< for each world of the scene, the caller's world; worlds() for the last section
+    Array<std::int64_t>
+        first_of_caller_world_;  ///< first triangle of each of the caller's worlds; then of the last section
+    Array<std::int64_t> first_of_scene_world_;  ///< first triangle of each world of the scene; and the end
+    Array<std::int32_t>
+        caller_worlds_;  ///< for each world of the scene, the caller's world; worlds() for the last section
 };
 
 }  // namespace crumple

@@ -169,7 +169,7 @@ struct Detector::Implementation : MeshCalls {
     bool has_any(const Scene& scene, const Query& query, std::stop_token stop) {
         Query whether = query;
         whether.output = Output::any;
-        if constexpr (PairQuery<Query>) whether.index = false;
+        if constexpr (PartQuery<Query>) whether.index = false;
         return find(scene, whether, std::move(stop)).any;
     }
 
@@ -199,7 +199,7 @@ struct Detector::Implementation : MeshCalls {
         return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
     }
 
-    template <PairQuery Query>
+    template <PartQuery Query>
     std::vector<Part> partition(const Scene& scene, const Query& query, int count, std::stop_token stop) {
         const auto* mesh = std::get_if<MeshView>(&scene.source());
         if constexpr (std::same_as<Query, IntersectionQuery>) {
@@ -256,25 +256,25 @@ template <FlagQuery Query>
 bool Detector::any(const Scene& scene, const Query& query, std::stop_token stop) {
     return implementation_->any(scene, query, std::move(stop));
 }
-template <RowQuery Query>
+template <BlockQuery Query>
 Statistics Detector::stream(const Scene& scene, const Query& query,
                             FunctionRef<void(const typename Query::Result& block)> take, std::int64_t block_rows,
                             std::stop_token stop) {
     return implementation_->stream(scene, query, take, block_rows, std::move(stop));
 }
-template <PairQuery Query>
+template <PartQuery Query>
 std::vector<Part> Detector::partition(const Scene& scene, const Query& query, int count, std::stop_token stop) {
     return implementation_->partition(scene, query, count, std::move(stop));
 }
-template <RowQuery Query>
+template <BlockQuery Query>
 LaunchTicket<Query> Detector::launch(const Scene& scene, const Query& query) {
     return {*implementation_, implementation_->launch(scene, query)};
 }
-template <RowQuery Query>
+template <BlockQuery Query>
 const typename Query::DeviceResult& LaunchTicket<Query>::wait(std::stop_token stop) const {
     return detector_->wait(static_cast<const Query*>(nullptr), number_, std::move(stop));
 }
-template <RowQuery Query>
+template <BlockQuery Query>
 const Intersections& LaunchTicket<Query>::download() const requires std::same_as<Query, IntersectionQuery> {
     return detector_->download(number_);
 }
@@ -328,7 +328,7 @@ void Detector::swap_result(Candidates& other) {
 }
 template <>
 void Detector::swap_result(Distances& other) {
-    implementation_->swap_result(implementation_->nearest_bodies, other);
+    implementation_->swap_result(implementation_->nearest_search, other);
 }
 template <>
 void Detector::swap_result(Overlaps& other) {

@@ -35,7 +35,7 @@ struct DetectorState {
     Impacts impacts = metered_impacts(&meter);
     Proximities nearby = metered_nearby(&meter);
     Candidates candidates = metered_candidates(&meter);
-    Distances nearest_bodies = metered_nearest(&meter);
+    Distances nearest_search = metered_nearest(&meter);
     Overlaps overlaps = metered_overlaps(&meter);
     Cancellation cancellation;
     ShapeTrees named{meter};
@@ -54,7 +54,7 @@ struct DetectorState {
     Impacts& result_of(const ImpactQuery&) { return impacts; }
     Proximities& result_of(const ProximityQuery&) { return nearby; }
     Candidates& result_of(const CandidateQuery&) { return candidates; }
-    Distances& result_of(const DistanceQuery&) { return nearest_bodies; }
+    Distances& result_of(const DistanceQuery&) { return nearest_search; }
     Overlaps& result_of(const OverlapQuery&) { return overlaps; }
 
     explicit DetectorState(const Options& o) : options(o) {
@@ -88,14 +88,14 @@ struct DetectorState {
         return make_cpu_backend(options, meter, cancellation);
     }
 
-    void forget() {
+    void free_caches() {
         backend->release();
         buffers = SceneBuffers(&meter);
         result = metered(&meter);
         worlds.release();
         nearest.release();
         named.release();
-        nearest_bodies = metered_nearest(&meter);
+        nearest_search = metered_nearest(&meter);
         overlap_search.release();
         closed_bodies.release();
         overlaps = metered_overlaps(&meter);
@@ -161,7 +161,7 @@ struct DetectorState {
                     attempt();
                 } catch (const MemoryMeter::Exceeded& exceeded) {
                     if (!again(exceeded.bytes - kept)) throw;
-                    forget();
+                    free_caches();
                     kept = 0;
                     attempt();
                 }
@@ -169,10 +169,10 @@ struct DetectorState {
                 throw limit_error(exceeded.bytes - kept);
             }
         } catch (const Error& error) {
-            if (!keeps(error)) forget();
+            if (!keeps(error)) free_caches();
             throw;
         } catch (...) {
-            forget();
+            free_caches();
             throw;
         }
     }

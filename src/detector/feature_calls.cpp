@@ -30,7 +30,7 @@ World world_of(const Shape& shape) { return {{&shape, 1}, {&whole, 1}, {}, {}}; 
 }  // namespace
 
 void WorldCalls::refuse(const char* message) {
-    forget();
+    free_caches();
     throw Error(ErrorCode::invalid_argument, message, Element::option);
 }
 void WorldCalls::require_host(const MeshView& mesh) {
@@ -70,7 +70,7 @@ template <class Query>
 const typename Query::Result& WorldCalls::find_on_device(const DeviceShape& mesh, const Query& query,
                                                          std::stop_token stop) {
     auto& result = result_of(query);
-    return answered(result, std::move(stop), [&](bool low_memory) {
+    return run_with_retry(result, std::move(stop), [&](bool low_memory) {
         check_query_options(query, false);
         check_groups(query.filter, mesh.shape.triangles.rows, !mesh.shape.groups.empty());
         features.find_on_device(*backend, mesh, query, low_memory, result);
@@ -102,7 +102,7 @@ std::vector<Part> WorldCalls::partition(const MeshView& mesh, const Query& query
 template <FeatureQuery Query>
 const typename Query::Result& WorldCalls::find(const Part& part, const Query& query, std::stop_token stop) {
     auto& result = result_of(query);
-    return answered(result, std::move(stop), [&](bool low_memory) {
+    return run_with_retry(result, std::move(stop), [&](bool low_memory) {
         check_query_options(query, false);
         check_groups(query.filter, part.mesh.size(), !part.mesh.groups.empty());
         features.find(*backend, part, query, low_memory, result);
@@ -111,7 +111,7 @@ const typename Query::Result& WorldCalls::find(const Part& part, const Query& qu
 
 void WorldCalls::copy_to_host(const DeviceShape& mesh, HostShape& copy) {
     run(
-        {}, [&] { backend->device_feature_search().copy_to_host(mesh, Copied::all, copy); },
+        {}, [&] { backend->device_feature_calls().copy_to_host(mesh, Copied::all, copy); },
         [](std::int64_t) { return false; });
 }
 void WorldCalls::copy_to_host(const MeshView& mesh, HostShape& copy) {

@@ -140,24 +140,25 @@ class Units {
         share_.assign(count, 1);
         earliest_.assign(count, 2);
         cuts_.assign(count, 0);
-        stuck_.assign(step.bodies(), 0);
+        held_at_start_.assign(step.bodies(), 0);
     }
 
     double share(std::size_t body, std::int64_t vertex) const { return share_[unit(body, vertex)]; }
 
     /// Records the impacts that the next cut() has to avoid. Ignores impacts of worlds that are held at the start.
     /// Returns false if there are no others.
-    bool note(const Impacts& found) {
+    bool record_impacts(const Impacts& found) {
         bool any = false;
         if (found.count == 0 && held_ == Held::worlds) {
-            for (const FirstImpact& first : found.world_first) any |= note(first, found);
+            for (const FirstImpact& first : found.world_first) any |= record_impacts(first, found);
             return any;
         }
         for (int kind = 0; kind < feature_kinds; ++kind) {
             const ImpactList& list = found.lists[static_cast<std::size_t>(kind)];
             for (std::size_t i = 0; i < list.pairs.size(); ++i) {
                 const BodyPair bodies = list.bodies.empty() ? BodyPair{} : list.bodies[i];
-                any |= note({true, static_cast<FeatureKind>(kind), list.pairs[i], bodies, list.toi[i], false}, found);
+                any |= record_impacts({true, static_cast<FeatureKind>(kind), list.pairs[i], bodies, list.toi[i], false},
+                                      found);
             }
         }
         return any;
@@ -183,12 +184,12 @@ class Units {
     /// worlds if both bodies are in all worlds.
     void hold_worlds_of(const BodyPair& bodies) {
         const auto first = static_cast<std::size_t>(bodies.first), second = static_cast<std::size_t>(bodies.second);
-        if (stuck_[first] || stuck_[second]) return;
+        if (held_at_start_[first] || held_at_start_[second]) return;
         const std::int32_t world = std::max(step_.world_of(first), step_.world_of(second));
         for (std::size_t b = 0; b < step_.bodies(); ++b) {
             const std::int32_t its = step_.world_of(b);
             if (world >= 0 && its != world && its >= 0) continue;
-            if (world < 0 || its == world) stuck_[b] = 1;
+            if (world < 0 || its == world) held_at_start_[b] = 1;
             for (std::int64_t v = step_.first_vertex()[b]; v < step_.first_vertex()[b + 1]; ++v) share_[unit(b, v)] = 0;
         }
     }
@@ -201,10 +202,10 @@ class Units {
         return world < 0 ? step_.worlds() + body : static_cast<std::size_t>(world);
     }
 
-    bool note(const FirstImpact& impact, const Impacts& found) {
+    bool record_impacts(const FirstImpact& impact, const Impacts& found) {
         const auto first = static_cast<std::size_t>(impact.bodies.first);
         const auto second = static_cast<std::size_t>(impact.bodies.second);
-        if (!impact.found || stuck_[first] || stuck_[second]) return false;
+        if (!impact.found || held_at_start_[first] || held_at_start_[second]) return false;
         bool goes = false;
         const auto cut = [&](std::size_t u) {
             goes |= share_[u] > 0;
@@ -227,7 +228,7 @@ class Units {
     Held held_;
     std::vector<double> share_, earliest_;
     std::vector<std::size_t> cuts_;
-    std::vector<std::uint8_t> stuck_;  ///< by body: 1 if its world is held at the start
+    std::vector<std::uint8_t> held_at_start_;  ///< by body: 1 if its world is held at the start
 };
 
 /// True if bodies that are in all worlds can have impacts among themselves. Such an impact belongs to no world, so
@@ -272,7 +273,7 @@ void find_free_step(const Scene& scene, const FreeStepQuery& query,
     const FloatEnvironment environment;
     Step step(scene);
     Units units(step, query.held);
-    bool free = !units.note(whole);
+    bool free = !units.record_impacts(whole);
     result = {};
     result.first = whole.first;
     result.positions.resize_discard(static_cast<std::size_t>(3 * step.vertices()));
@@ -284,7 +285,7 @@ void find_free_step(const Scene& scene, const FreeStepQuery& query,
         for_each_vertex([&](std::int64_t v, std::size_t b) { step.go(v, b, 0, result.positions); });
         if (hold_what_intersects(step, impacts, find, units, result)) free = false;
     }
-    for (;; free = !units.note(find(step.moving_to(result.positions), impacts))) {
+    for (;; free = !units.record_impacts(find(step.moving_to(result.positions), impacts))) {
         units.cut();
         for_each_vertex([&](std::int64_t v, std::size_t b) { step.go(v, b, units.share(b, v), result.positions); });
         if (free) break;

@@ -74,7 +74,7 @@ Statistics MeshCalls::stream(const MeshView& a, const MeshView* b, const Interse
     Stopwatch watch;
     check_blocks(block_rows);
     check_in_blocks(query);
-    if (meter.limit > 0) forget();  // do not retry once a block has been delivered
+    if (meter.limit > 0) free_caches();  // do not retry once a block has been delivered
     Statistics statistics;
     std::int64_t pairs = 0;
     const auto count = [&](const Intersections& block) {
@@ -130,7 +130,7 @@ const Intersections& MeshCalls::download(LaunchNumber launch) {
 
 std::vector<Part> MeshCalls::partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
     if (count < 1 || count > max_parts) {
-        forget();
+        free_caches();
         throw Error(ErrorCode::invalid_argument, "the number of parts must be 1 to 262144", Element::option);
     }
     std::vector<Part> parts;

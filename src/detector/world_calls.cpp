@@ -39,7 +39,7 @@ void WorldCalls::search(const World& world, const IntersectionQuery& query, cons
     check_query_options(query);
     if (query.containment) check_containment(query, world);
     check_bodies_have_triangles(world, query.filter, true, "only triangles intersect");
-    if (!blocks && working == Backend::cuda && lies_on_device(world) && found_on_device(world, query)) return;
+    if (!blocks && working == Backend::cuda && lies_on_device(world) && try_on_device(world, query)) return;
     const PosedOnHost there(*backend, world);
     if (working == Backend::reference && query.containment)
         find_with_containment_by_brute_force(there.world(), query, meter, cancellation, result);
@@ -52,7 +52,7 @@ void WorldCalls::search(const World& world, const IntersectionQuery& query, cons
 }
 
 // Finds all worlds at once. Returns false if the backend cannot do so, or memory does not suffice.
-bool WorldCalls::found_on_device(const World& world, const IntersectionQuery& query) {
+bool WorldCalls::try_on_device(const World& world, const IntersectionQuery& query) {
     check_device_poses(world);
     try {
         return backend->find(world, query, result);
@@ -66,7 +66,7 @@ Statistics WorldCalls::stream(const World& world, const IntersectionQuery& query
                               std::int64_t block_rows, std::stop_token stop) {
     check_blocks(block_rows);
     check_in_blocks(query);
-    if (meter.limit > 0) forget();
+    if (meter.limit > 0) free_caches();
     const WorldBlocks blocks{block_rows, take};
     return find(world, query, std::move(stop), &blocks).statistics;
 }
@@ -79,22 +79,22 @@ const Distances& WorldCalls::find(const World& world, const DistanceQuery& query
         check_bodies_have_triangles(world, query.filter, false, "distances of bodies are those of triangles");
         const PosedOnHost there(*backend, world);
         if (working == Backend::reference)
-            find_nearest_by_brute_force(there.world(), query, meter, cancellation, nearest_bodies);
+            find_nearest_by_brute_force(there.world(), query, meter, cancellation, nearest_search);
         else
-            nearest.find(*backend, there.world(), query, low_memory, nearest_bodies);
+            nearest.find(*backend, there.world(), query, low_memory, nearest_search);
     };
     run(std::move(stop), attempt, [&](std::int64_t) { return low_memory = true; });
-    nearest_bodies.count = static_cast<std::int64_t>(nearest_bodies.bodies.size());
-    nearest_bodies.any = nearest_bodies.count > 0;
-    Statistics& statistics = nearest_bodies.statistics;
-    statistics.pairs = nearest_bodies.count;
+    nearest_search.count = static_cast<std::int64_t>(nearest_search.bodies.size());
+    nearest_search.any = nearest_search.count > 0;
+    Statistics& statistics = nearest_search.statistics;
+    statistics.pairs = nearest_search.count;
     statistics.peak_memory_bytes = meter.peak;
     statistics.milliseconds = watch.lap();
-    return nearest_bodies;
+    return nearest_search;
 }
 
 const Overlaps& WorldCalls::find(const World& world, const OverlapQuery& query, std::stop_token stop) {
-    answered(overlaps, std::move(stop), [&](bool) {
+    run_with_retry(overlaps, std::move(stop), [&](bool) {
         check_query_options(query, world);
         check_bodies_have_triangles(world, query.filter, false, "only triangles enclose a volume");
         if (working == Backend::reference)
@@ -110,7 +110,7 @@ template <class Query>
 const typename Query::Result& WorldCalls::find_features(const World& world, const Query& query, bool bodies,
                                                         std::stop_token stop) {
     auto& result = result_of(query);
-    return answered(result, std::move(stop), [&](bool low_memory) {
+    return run_with_retry(result, std::move(stop), [&](bool low_memory) {
         check_query_options(query, bodies);
         if (!bodies) check_groups(query.filter, world.shapes[0].triangles.rows, !world.shapes[0].groups.empty());
         features.find(*backend, PosedOnHost(*backend, world).world(), query, bodies, low_memory, result);
@@ -123,7 +123,7 @@ template <class Query>
 Statistics WorldCalls::stream_features(const World& world, const Query& query, bool bodies,
                                        const FeatureBlocks<typename Query::Result>& blocks, std::stop_token stop) {
     Stopwatch watch;
-    if (meter.limit > 0) forget();
+    if (meter.limit > 0) free_caches();
     auto& result = result_of(query);
     const auto stream = [&] {
         check_blocks(blocks.most);

@@ -67,7 +67,7 @@ struct WorldCalls : DetectorState {
 
    private:
     void search(const World& world, const IntersectionQuery& query, const WorldBlocks* blocks);
-    bool found_on_device(const World& world, const IntersectionQuery& query);
+    bool try_on_device(const World& world, const IntersectionQuery& query);
     /// `bodies`: true if the result names bodies; false for a single mesh.
     template <class Query>
     const typename Query::Result& find_features(const World& world, const Query& query, bool bodies,
@@ -78,7 +78,7 @@ struct WorldCalls : DetectorState {
     /// Runs search(false) under the memory limit and returns the result. If this exceeds the limit, which may depend on
     /// the scheduling of workers, runs search(true): a low-memory search (FeatureRequest::low_memory).
     template <class Result, class Search>
-    const Result& answered(Result& result, std::stop_token stop, Search search) {
+    const Result& run_with_retry(Result& result, std::stop_token stop, Search search) {
         Stopwatch watch;
         bool low_memory = false;
         const auto attempt = [&] { search(low_memory); };

@@ -22,21 +22,21 @@ std::int64_t AssembledPart::bytes() const {
     return size() * (24 + 8 * depth + (features_ ? 40 : 0)) + vertex_count_ * 3 * scalar * (moving_ ? 2 : 1);
 }
 
-void AssembledPart::take(std::span<const PartNews> news) {
+void AssembledPart::take(std::span<const RankDelta> news) {
     bool other_triangles = false;
-    for (const PartNews& some : news) {
+    for (const RankDelta& some : news) {
         add_vertices(some);
         other_triangles = other_triangles || !some.delta.removed.empty() || !some.delta.added.empty();
     }
     if (other_triangles) merge(news);
     change_masks(news);
-    const auto has_news = [](const PartNews& some) {
+    const auto has_news = [](const RankDelta& some) {
         return !some.delta.changed.empty() || !some.delta.vertices.empty();
     };
     revision_ += other_triangles || std::any_of(news.begin(), news.end(), has_news);
 }
 
-void AssembledPart::add_vertices(const PartNews& news) {
+void AssembledPart::add_vertices(const RankDelta& news) {
     const std::vector<std::int32_t>& ids = news.delta.vertices;
     const auto rank = static_cast<std::size_t>(news.rank);
     if (runs_.size() <= rank) runs_.resize(rank + 1);
@@ -72,7 +72,7 @@ std::int32_t AssembledPart::vertex(int rank, std::int32_t listed) const {
 }
 
 // Merges the triangles with the added ones, both by ascending id, and drops the removed ones.
-void AssembledPart::merge(std::span<const PartNews> news) {
+void AssembledPart::merge(std::span<const RankDelta> news) {
     struct New {
         std::int32_t id;
         std::int32_t news, row;
@@ -80,7 +80,7 @@ void AssembledPart::merge(std::span<const PartNews> news) {
     std::vector<New> added;
     std::vector<std::int32_t> removed;
     std::size_t count = 0;
-    for (const PartNews& some : news) count += some.delta.added.size();
+    for (const RankDelta& some : news) count += some.delta.added.size();
     added.reserve(count);
     for (std::size_t s = 0; s < news.size(); ++s) {
         const PartDelta& delta = news[s].delta;
@@ -108,7 +108,7 @@ void AssembledPart::merge(std::span<const PartNews> news) {
     std::size_t next = 0, gone = 0;
     const auto add_until = [&](std::int64_t id) {
         for (; next < added.size() && added[next].id < id; ++next) {
-            const PartNews& from = news[static_cast<std::size_t>(added[next].news)];
+            const RankDelta& from = news[static_cast<std::size_t>(added[next].news)];
             const auto row = static_cast<std::size_t>(added[next].row);
             const MemberRow& member = from.delta.added[row];
             merged.ids.push_back(member.id);
@@ -142,10 +142,10 @@ void AssembledPart::merge(std::span<const PartNews> news) {
     for (std::size_t l = 0; l < depth; ++l) part_.levels[l].masks = std::move(masks[l]);
 }
 
-void AssembledPart::change_masks(std::span<const PartNews> news) {
+void AssembledPart::change_masks(std::span<const RankDelta> news) {
     const std::vector<std::int32_t>& ids = part_.mesh.ids;
     const std::size_t depth = part_.levels.size();
-    for (const PartNews& some : news)
+    for (const RankDelta& some : news)
         for (std::size_t i = 0; i < some.delta.changed.size(); ++i) {
             const auto at =
                 static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), some.delta.changed[i]) - ids.begin());

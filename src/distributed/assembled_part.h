@@ -23,7 +23,7 @@
 namespace crumple::distribute {
 
 /// Delta that one rank sends for a part.
-struct PartNews {
+struct RankDelta {
     int rank = 0;
     PartDelta delta;
 };
@@ -50,7 +50,7 @@ class AssembledPart {
     int rank_of(std::int32_t triangle) const { return rank_[static_cast<std::size_t>(triangle)]; }
 
     /// Merges deltas. Coordinates of new vertices are received later.
-    void take(std::span<const PartNews> news);
+    void take(std::span<const RankDelta> news);
 
     /// Maps rows [first, first + n) of a rank's list of vertices to vertices of the part. Calls visit(vertex, row,
     /// count) for each contiguous piece: `vertex` is its first vertex in the part, `row` its first row, counted from
@@ -81,10 +81,10 @@ class AssembledPart {
     struct Run {
         std::int64_t first, place, count;  ///< start in the rank's list, start in the part's vertices, size
     };
-    void add_vertices(const PartNews& news);
+    void add_vertices(const RankDelta& news);
     std::int32_t vertex(int rank, std::int32_t listed) const;
-    void merge(std::span<const PartNews> news);
-    void change_masks(std::span<const PartNews> news);
+    void merge(std::span<const RankDelta> news);
+    void change_masks(std::span<const RankDelta> news);
 
     Part part_;
     std::unique_ptr<SceneMemory> memory_;

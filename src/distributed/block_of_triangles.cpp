@@ -4,7 +4,7 @@
 
 namespace crumple::distribute {
 
-MeshShare Block::take(const PreparedScene& scene) {
+MeshShare TriangleBlock::take(const PreparedScene& scene) {
     if (!names_the_same(scene)) number(scene);
     gather(scene.reader[0], start_);
     if (scene.moving) gather(scene.end, end_);
@@ -17,11 +17,11 @@ MeshShare Block::take(const PreparedScene& scene) {
     return share;
 }
 
-std::span<const std::int32_t> Block::corners_in(const PreparedScene& scene) const {
+std::span<const std::int32_t> TriangleBlock::corners_in(const PreparedScene& scene) const {
     return {scene.corners + 3 * triangles_.begin, static_cast<std::size_t>(3 * triangles_.size())};
 }
 
-bool Block::names_the_same(const PreparedScene& scene) const {
+bool TriangleBlock::names_the_same(const PreparedScene& scene) const {
     if (mine(scene.triangle_count()) != triangles_ || mine(scene.vertex_count()) != vertices_) return false;
     const std::span<const std::int32_t> corners = corners_in(scene);
     for (std::size_t i = 0; i < corners.size(); ++i)
@@ -29,7 +29,7 @@ bool Block::names_the_same(const PreparedScene& scene) const {
     return true;
 }
 
-void Block::number(const PreparedScene& scene) {
+void TriangleBlock::number(const PreparedScene& scene) {
     triangles_ = mine(scene.triangle_count()), vertices_ = mine(scene.vertex_count());
     ids_.resize(static_cast<std::size_t>(vertices_.size()));
     std::iota(ids_.begin(), ids_.end(), vertices_.begin);
@@ -48,7 +48,7 @@ void Block::number(const PreparedScene& scene) {
 }
 
 template <class Scalar>
-void Block::gather_as(const VertexReader& reader, Coordinates& xyz) const {
+void TriangleBlock::gather_as(const VertexReader& reader, Coordinates& xyz) const {
     if (!std::holds_alternative<std::vector<Scalar>>(xyz)) xyz = std::vector<Scalar>();
     auto& values = std::get<std::vector<Scalar>>(xyz);
     values.resize(3 * ids_.size());
@@ -59,14 +59,14 @@ void Block::gather_as(const VertexReader& reader, Coordinates& xyz) const {
     }
 }
 
-void Block::gather(const VertexReader& reader, Coordinates& xyz) const {
+void TriangleBlock::gather(const VertexReader& reader, Coordinates& xyz) const {
     if (reader.float32)
         gather_as<float>(reader, xyz);
     else
         gather_as<double>(reader, xyz);
 }
 
-VertexView Block::view_of(const Coordinates& xyz) {
+VertexView TriangleBlock::view_of(const Coordinates& xyz) {
     return std::visit(
         [](const auto& values) { return rows_of_three(values.data(), static_cast<std::int64_t>(values.size() / 3)); },
         xyz);

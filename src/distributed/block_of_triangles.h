@@ -16,9 +16,9 @@
 
 namespace crumple::distribute {
 
-class Block {
+class TriangleBlock {
    public:
-    Block(int rank, int ranks) : rank_(rank), ranks_(ranks) {}
+    TriangleBlock(int rank, int ranks) : rank_(rank), ranks_(ranks) {}
 
     /// Returns the local mesh; valid until the next call. Copies the coordinates; renumbers the vertices if the scene's
     /// triangles have changed.

@@ -17,16 +17,16 @@ void make_unique(std::vector<BodyPair>& pairs) {
 
 }  // namespace
 
-void RankDetector::answer(const WorldShare& share, const PairFilter& rules, bool moving, FunctionRef<Asked()> ask,
-                          std::stop_token stop, FunctionRef<void()> work) {
+void RankDetector::answer(const WorldShare& share, const PairFilter& rules, bool moving,
+                          FunctionRef<ComparedQuery()> ask, std::stop_token stop, FunctionRef<void()> work) {
     const auto outline = [&] {
-        Asked asked = ask();
+        ComparedQuery asked = ask();
         bodies_.outline(share, rules, moving);
         return asked;
     };
     const auto prepare = [&] {
-        bodies_.number(transport_, agree_);
-        agree_(Phase::input, [&] { bodies_.pose(engine_->workers()); });
+        bodies_.number(transport_, check_);
+        check_(Phase::input, [&] { bodies_.pose(engine_->workers()); });
     };
     answer(bodies_.share(), moving ? &bodies_.end() : nullptr, outline, prepare, std::move(stop), work);
 }
@@ -48,7 +48,7 @@ const DistributedIntersections& RankDetector::find(const WorldShare& share, cons
         world_result_.any = result_.count > 0;
         if (wants == RankOutput::any) return;
         world_result_.count = result_.count;
-        if (wants == RankOutput::pairs) agree_(Phase::output, [&] { name_bodies_of_rows(); });
+        if (wants == RankOutput::pairs) check_(Phase::output, [&] { name_bodies_of_rows(); });
     };
     answer(
         share, query.filter, false, [&] { return request_of_ranks(query); }, std::move(stop), work);
@@ -85,16 +85,16 @@ void RankDetector::search_body_pairs(const IntersectionQuery& query) {
     };
     search(each, [] { return false; });
     std::vector<std::vector<BodyPair>> for_rank(static_cast<std::size_t>(transport_.size()));
-    agree_(Phase::rows, [&] {
+    check_(Phase::rows, [&] {
         for (const BodyPair& pair : colliding)
             for_rank[static_cast<std::size_t>(bodies_.rank_of(pair.first))].push_back(pair);
     });
     const Traffic traffic = traffic_of(rounds_, [&](std::size_t r) { return for_rank[r].size(); });
     std::vector<BodyPair> coming;
-    agree_(Phase::rows, [&] { coming.resize(all(traffic.in)); });
+    check_(Phase::rows, [&] { coming.resize(all(traffic.in)); });
     exchange_lists(
         rounds_, traffic, [&](std::size_t r) -> auto& { return for_rank[r]; }, coming);
-    agree_(Phase::output, [&] {
+    check_(Phase::output, [&] {
         make_unique(coming);
         world_result_.bodies.resize_discard(coming.size());
         std::copy(coming.begin(), coming.end(), world_result_.bodies.begin());
@@ -138,8 +138,8 @@ const DistributedProximities& RankDetector::find(const WorldShare& share, const 
 
 template <class Answer>
 void RankDetector::name_bodies_of_features(Answer& answer) {
-    bodies_.count_edges(transport_, agree_, features_);
-    agree_(Phase::output, [&] {
+    bodies_.count_edges(transport_, check_, features_);
+    check_(Phase::output, [&] {
         for (std::size_t k = 0; k < feature_kinds; ++k) {
             auto& list = answer.lists[k];
             list.bodies.resize_discard(list.pairs.size());

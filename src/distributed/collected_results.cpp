@@ -65,7 +65,7 @@ void RankDetector::search_rows(const IntersectionQuery& query, RankOutput wants)
         add_pass(in_part.statistics, statistics_.search);
     };
     search(each, [&] { return wants == RankOutput::any && found > 0; });
-    if (wants == RankOutput::pairs) rows.exchange(rounds_, agree_, query.contacts(), result_);
+    if (wants == RankOutput::pairs) rows.exchange(rounds_, check_, query.contacts(), result_);
     result_.count = add_up(found, wants == RankOutput::any);
     result_.any = result_.count > 0;
 }
@@ -87,7 +87,7 @@ void RankDetector::search_features(Each each, bool listed, bool cut_short, Resul
         add_pass(in_part.statistics, statistics_.search);
     };
     search(one, [&] { return cut_short && any; });
-    if (listed) rows.exchange(rounds_, agree_, result);
+    if (listed) rows.exchange(rounds_, check_, result);
     result.count = add_up(found, !listed);
     result.any = on_any_rank(any);
 }

@@ -23,17 +23,18 @@ void gather(const VertexReader& reader, std::span<const std::int32_t> vertices, 
 
 }  // namespace
 
-Delivery::Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Members& members, const Share& share,
-                   const SharedVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth)
-    : rounds_(rounds),
-      agree_(agree),
+Delivery::Delivery(MessageBatches& batches, CollectiveCheck& agree, const Owners& owners, RankMembers& members,
+                   const LocalMesh& share, const GhostVertices& copies, std::vector<AssembledPart>& mine,
+                   std::size_t depth)
+    : rounds_(batches),
+      check_(agree),
       owners_(owners),
       members_(members),
       share_(share),
       copies_(copies),
       all_mine_(mine),
       depth_(static_cast<std::int64_t>(depth)),
-      ranks_(rounds.transport().size()) {
+      ranks_(batches.transport().size()) {
     std::vector<std::int32_t> owned(static_cast<std::size_t>(ranks_), 0);
     for (const int owner : owners.all()) {
         std::int32_t& so_far = owned[static_cast<std::size_t>(owner)];
@@ -52,13 +53,13 @@ void Delivery::run(const What& what, FunctionRef<void(std::int64_t bytes)> room)
 // message batch, the largest number of parts that a rank owns, so that each group has at most one part of each rank.
 int Delivery::choose_groups() {
     std::int64_t most = 0;
-    agree_(Phase::members, [&] { most = members_.bytes_of_changes(); });
+    check_(Phase::members, [&] { most = members_.bytes_of_changes(); });
     rounds_.transport().reduce({&most, 1}, Reduction::max);
     return most > rounds_.bytes() ? most_parts_ : 1;
 }
 
 void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t bytes)> room) {
-    agree_(Phase::members, [&] {
+    check_(Phase::members, [&] {
         parts_.clear();
         for (const std::int32_t part : members_.parts())
             if (place_[static_cast<std::size_t>(part)] % groups == group) parts_.push_back(part);
@@ -70,12 +71,12 @@ void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t by
             mine_.push_back(&all_mine_[m]);
     });
     exchange_counts();
-    agree_(Phase::room, [&] {
+    check_(Phase::room, [&] {
         room(bytes_coming());
         reserve();
     });
     exchange_news();
-    agree_(Phase::room, [&] {
+    check_(Phase::room, [&] {
         for (std::size_t m = 0; m < mine_.size(); ++m)
             if (!news_[m].empty()) mine_[m]->take(news_[m]);
         news_.clear();
@@ -102,7 +103,7 @@ void Delivery::exchange_counts() {
     Traffic traffic(ranks_);
     for (const Leaving& some : leaving_) ++traffic.out[static_cast<std::size_t>(some.rank)];
     rounds_.transport().all_to_all(traffic.out, traffic.in);
-    agree_(Phase::members, [&] {
+    check_(Phase::members, [&] {
         coming_.clear();
         coming_.reserve(all(traffic.in));
     });

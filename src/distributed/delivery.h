@@ -22,8 +22,8 @@ namespace crumple::distribute {
 class Delivery {
    public:
     /// `mine`: the parts that this rank owns, ascending.
-    Delivery(Rounds& rounds, Agreement& agree, const Owners& owners, Members& members, const Share& share,
-             const SharedVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
+    Delivery(MessageBatches& batches, CollectiveCheck& agree, const Owners& owners, RankMembers& members,
+             const LocalMesh& share, const GhostVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
 
     /// Contents of a delivery. `features`: includes features that triangles own. `moving`: includes end positions.
     struct What {
@@ -46,7 +46,7 @@ class Delivery {
         int rank;
         std::size_t mine;
         DeltaCounts counts;
-        PartNews* news;  ///< null: only coordinates are sent
+        RankDelta* news;  ///< null: only coordinates are sent
     };
     /// Message row: a part and its counts.
     struct CountsRow {
@@ -72,12 +72,12 @@ class Delivery {
     template <class Element, class Count, class List>
     void stream_list(Count count, std::int64_t each, List list);
 
-    Rounds& rounds_;
-    Agreement& agree_;
+    MessageBatches& rounds_;
+    CollectiveCheck& check_;
     const Owners& owners_;
-    Members& members_;
-    const Share& share_;
-    const SharedVertices& copies_;
+    RankMembers& members_;
+    const LocalMesh& share_;
+    const GhostVertices& copies_;
     std::vector<AssembledPart>& all_mine_;
     std::int64_t depth_;
     What what_;
@@ -88,9 +88,9 @@ class Delivery {
     // Current group of parts:
     std::vector<std::int32_t> parts_;  ///< parts that this rank has, or had, members in
     std::vector<AssembledPart*> mine_;
-    std::vector<Leaving> leaving_;             ///< by owner, then part
-    std::vector<Coming> coming_;               ///< by rank, then part
-    std::vector<std::vector<PartNews>> news_;  ///< by part of this rank: the deltas received
+    std::vector<Leaving> leaving_;              ///< by owner, then part
+    std::vector<Coming> coming_;                ///< by rank, then part
+    std::vector<std::vector<RankDelta>> news_;  ///< by part of this rank: the deltas received
 };
 
 }  // namespace crumple::distribute

@@ -36,7 +36,7 @@ class Devices final : public ForwardingBackend {
 
         InProcess transport;
         RankDetector detector;
-        Block block;
+        TriangleBlock block;
     };
 
     bool is_for_all(const PreparedScene& scene) const;

@@ -16,19 +16,19 @@ namespace {
     throw Error(ErrorCode::invalid_argument, what, element, id);
 }
 
-Traffic traffic_of(Rounds& rounds, const ByKeeper& elements) {
-    const int ranks = rounds.transport().size();
+Traffic traffic_of(MessageBatches& batches, const ByDirectoryRank& elements) {
+    const int ranks = batches.transport().size();
     Traffic traffic(ranks);
     for (std::size_t r = 0; r < traffic.out.size(); ++r) traffic.out[r] = elements.first[r + 1] - elements.first[r];
-    rounds.transport().all_to_all(traffic.out, traffic.in);
+    batches.transport().all_to_all(traffic.out, traffic.in);
     return traffic;
 }
 
 // Sends ids to their directory ranks. Fills the last argument with the ids that all ranks send to this one, in the
 // order of the ranks.
-void exchange_ids(Rounds& rounds, const ByKeeper& elements, const Ids& ids, const Traffic& traffic,
+void exchange_ids(MessageBatches& batches, const ByDirectoryRank& elements, const Ids& ids, const Traffic& traffic,
                   const std::vector<std::int64_t>& from, std::vector<std::int32_t>& told) {
-    rounds.exchange<std::int32_t>(
+    batches.exchange<std::int32_t>(
         traffic,
         [&](int rank, std::int64_t first, std::span<std::int32_t> rows) {
             const auto begin = static_cast<std::size_t>(elements.first[static_cast<std::size_t>(rank)] + first);
@@ -53,7 +53,7 @@ int rank_of_row(const std::vector<std::int64_t>& first, std::int64_t row) {
 
 }  // namespace
 
-ByKeeper::ByKeeper(const Ids& ids, std::int64_t count, const std::vector<std::uint8_t>* chosen, int ranks)
+ByDirectoryRank::ByDirectoryRank(const Ids& ids, std::int64_t count, const std::vector<std::uint8_t>* chosen, int ranks)
     : first(static_cast<std::size_t>(ranks) + 1, 0) {
     const std::int64_t per = std::max<std::int64_t>(1, block(ids.all, ranks));
     const auto keeper = [&](std::int64_t i) { return static_cast<std::size_t>(ids(i) / per); };
@@ -68,19 +68,19 @@ ByKeeper::ByKeeper(const Ids& ids, std::int64_t count, const std::vector<std::ui
 }
 
 // There are as many ids as triangles, all in range: if none occurs twice, none is missing.
-void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count) {
-    const int ranks = rounds.transport().size();
-    ByKeeper elements;
-    agree(Phase::ids, [&] { elements = ByKeeper(ids, count, nullptr, ranks); });
-    const Traffic traffic = traffic_of(rounds, elements);
+void check_each_once(MessageBatches& batches, CollectiveCheck& agree, const Ids& ids, std::int64_t count) {
+    const int ranks = batches.transport().size();
+    ByDirectoryRank elements;
+    agree(Phase::ids, [&] { elements = ByDirectoryRank(ids, count, nullptr, ranks); });
+    const Traffic traffic = traffic_of(batches, elements);
     const std::vector<std::int64_t> from = first_of_each(traffic.in);
     std::vector<std::int32_t> told, seen;
-    const std::int64_t per = ByKeeper::block(ids.all, ranks), begin = per * rounds.transport().rank();
+    const std::int64_t per = ByDirectoryRank::block(ids.all, ranks), begin = per * batches.transport().rank();
     agree(Phase::ids, [&] {
         told.resize(static_cast<std::size_t>(from.back()));
         seen.assign(static_cast<std::size_t>(per), -1);
     });
-    exchange_ids(rounds, elements, ids, traffic, from, told);
+    exchange_ids(batches, elements, ids, traffic, from, told);
     agree(Phase::ids, [&] {
         std::int64_t twice = ids.all;
         std::array<int, 2> by{};
@@ -97,18 +97,18 @@ void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int6
     });
 }
 
-void SharedVertices::learn(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count) {
+void GhostVertices::learn(MessageBatches& batches, CollectiveCheck& agree, const Ids& ids, std::int64_t count) {
     any_ = false;
     all_ = ids.all;
     shared_.clear();
     kept_.clear();
     if (!ids.are_given()) return;
-    const int ranks = rounds.transport().size();
-    block_size_ = ByKeeper::block(ids.all, ranks);
-    block_begin_ = block_size_ * rounds.transport().rank();
-    ByKeeper all;
-    agree(Phase::ids, [&] { all = ByKeeper(ids, count, nullptr, ranks); });
-    const Traffic traffic = traffic_of(rounds, all);
+    const int ranks = batches.transport().size();
+    block_size_ = ByDirectoryRank::block(ids.all, ranks);
+    block_begin_ = block_size_ * batches.transport().rank();
+    ByDirectoryRank all;
+    agree(Phase::ids, [&] { all = ByDirectoryRank(ids, count, nullptr, ranks); });
+    const Traffic traffic = traffic_of(batches, all);
     const std::vector<std::int64_t> from = first_of_each(traffic.in);
     std::vector<std::int32_t> told, ranks_with;
     std::vector<std::uint8_t> flags;
@@ -117,7 +117,7 @@ void SharedVertices::learn(Rounds& rounds, Agreement& agree, const Ids& ids, std
         ranks_with.assign(static_cast<std::size_t>(block_size_), 0);
         shared_.assign(static_cast<std::size_t>(count), 0);
     });
-    exchange_ids(rounds, all, ids, traffic, from, told);
+    exchange_ids(batches, all, ids, traffic, from, told);
     agree(Phase::ids, [&] {
         for (const std::int32_t id : told) ++ranks_with[static_cast<std::size_t>(id - block_begin_)];
         const std::int64_t end = std::min(block_size_, ids.all - block_begin_);
@@ -127,7 +127,7 @@ void SharedVertices::learn(Rounds& rounds, Agreement& agree, const Ids& ids, std
     });
     Traffic back(ranks);
     back.out = traffic.in, back.in = traffic.out;
-    rounds.exchange<std::uint8_t>(
+    batches.exchange<std::uint8_t>(
         back,
         [&](int rank, std::int64_t first, std::span<std::uint8_t> rows) {
             const std::int64_t begin = from[static_cast<std::size_t>(rank)] + first;
@@ -143,26 +143,26 @@ void SharedVertices::learn(Rounds& rounds, Agreement& agree, const Ids& ids, std
         });
 
     std::int64_t some = std::any_of(shared_.begin(), shared_.end(), [](std::uint8_t flag) { return flag != 0; });
-    rounds.transport().reduce({&some, 1}, Reduction::max);
+    batches.transport().reduce({&some, 1}, Reduction::max);
     any_ = some != 0;
     if (!any_) return;
-    agree(Phase::ids, [&] { told_ = ByKeeper(ids, count, &shared_, ranks); });
-    traffic_ = traffic_of(rounds, told_);
+    agree(Phase::ids, [&] { told_ = ByDirectoryRank(ids, count, &shared_, ranks); });
+    traffic_ = traffic_of(batches, told_);
     first_from_ = first_of_each(traffic_.in);
     agree(Phase::ids, [&] { kept_.resize(static_cast<std::size_t>(first_from_.back())); });
-    exchange_ids(rounds, told_, ids, traffic_, first_from_, kept_);
+    exchange_ids(batches, told_, ids, traffic_, first_from_, kept_);
     for (std::int32_t& id : kept_) id -= static_cast<std::int32_t>(block_begin_);
 }
 
-void SharedVertices::check(Rounds& rounds, Agreement& agree, const VertexReader& reader, bool float32,
-                           const char* when) const {
+void GhostVertices::check(MessageBatches& batches, CollectiveCheck& agree, const VertexReader& reader, bool float32,
+                          const char* when) const {
     if (!any_) return;
-    float32 ? check_copies<float>(rounds, agree, reader, when) : check_copies<double>(rounds, agree, reader, when);
+    float32 ? check_copies<float>(batches, agree, reader, when) : check_copies<double>(batches, agree, reader, when);
 }
 
 template <class Scalar>
-void SharedVertices::check_copies(Rounds& rounds, Agreement& agree, const VertexReader& reader,
-                                  const char* when) const {
+void GhostVertices::check_copies(MessageBatches& batches, CollectiveCheck& agree, const VertexReader& reader,
+                                 const char* when) const {
     using Position = std::array<Scalar, 3>;
     std::vector<Position> first;
     std::vector<std::int32_t> by;
@@ -172,7 +172,7 @@ void SharedVertices::check_copies(Rounds& rounds, Agreement& agree, const Vertex
         first.resize(static_cast<std::size_t>(block_size_));
         by.assign(static_cast<std::size_t>(block_size_), -1);
     });
-    rounds.exchange<Position>(
+    batches.exchange<Position>(
         traffic_,
         [&](int rank, std::int64_t begin, std::span<Position> rows) {
             const auto at = static_cast<std::size_t>(told_.first[static_cast<std::size_t>(rank)] + begin);

@@ -15,10 +15,10 @@
 namespace crumple::distribute {
 
 /// Elements of this rank, grouped by directory rank.
-struct ByKeeper {
-    ByKeeper() = default;
+struct ByDirectoryRank {
+    ByDirectoryRank() = default;
     /// Groups the elements whose flag in `chosen` is set; null: all elements.
-    ByKeeper(const Ids& ids, std::int64_t count, const std::vector<std::uint8_t>* chosen, int ranks);
+    ByDirectoryRank(const Ids& ids, std::int64_t count, const std::vector<std::uint8_t>* chosen, int ranks);
     static std::int64_t block(std::int64_t all, int ranks) { return (all + ranks - 1) / ranks; }
 
     std::vector<std::int32_t> element;
@@ -27,28 +27,30 @@ struct ByKeeper {
 
 /// Throws the same Error on all ranks unless each triangle id occurs exactly once. All ids must be in range.
 /// Collective.
-void check_each_once(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count);
+void check_each_once(MessageBatches& batches, CollectiveCheck& agree, const Ids& ids, std::int64_t count);
 
 /// Ghost vertices of this rank: vertices whose ids occur more than once over all ranks.
-class SharedVertices {
+class GhostVertices {
    public:
     /// Finds the ghost vertices; without given ids there are none. Throws the same Error on all ranks if some vertex
     /// is on no rank. Collective.
-    void learn(Rounds& rounds, Agreement& agree, const Ids& ids, std::int64_t count);
+    void learn(MessageBatches& batches, CollectiveCheck& agree, const Ids& ids, std::int64_t count);
     bool any() const { return any_; }  ///< true if any rank has ghost vertices
     bool shared(std::int32_t v) const { return any_ && shared_[static_cast<std::size_t>(v)]; }
 
     /// Throws the same Error on all ranks unless all copies of each ghost vertex are equal bit by bit. Only ghost
     /// vertices are sent. `when` follows the vertex in the message. Collective.
-    void check(Rounds& rounds, Agreement& agree, const VertexReader& reader, bool float32, const char* when) const;
+    void check(MessageBatches& batches, CollectiveCheck& agree, const VertexReader& reader, bool float32,
+               const char* when) const;
 
    private:
     template <class Scalar>
-    void check_copies(Rounds& rounds, Agreement& agree, const VertexReader& reader, const char* when) const;
+    void check_copies(MessageBatches& batches, CollectiveCheck& agree, const VertexReader& reader,
+                      const char* when) const;
 
     bool any_ = false;
     std::vector<std::uint8_t> shared_;  ///< 1 per local vertex: it is a ghost vertex
-    ByKeeper told_;                     ///< local ghost vertices, by directory rank
+    ByDirectoryRank told_;              ///< local ghost vertices, by directory rank
     Traffic traffic_{0};                ///< rows sent and received in check(), 1 per ghost vertex
     std::vector<std::int32_t> kept_;    ///< by received row: index of the vertex in this rank's block of ids
     std::vector<std::int64_t> first_from_;

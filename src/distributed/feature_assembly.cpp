@@ -133,7 +133,7 @@ void FeatureAssembly::name_vertices() {
     scene.moving = features.moving;
     if (features.moving) scene.end = reader_of(features.end);
     Array<std::int32_t> table, names;
-    name_equal_positions(scene, table, names);
+    find_representatives(scene, table, names);
     features.names.assign(names.begin(), names.end());
 }
 

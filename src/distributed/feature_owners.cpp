@@ -11,7 +11,7 @@ namespace {
 constexpr std::int32_t nobody = std::numeric_limits<std::int32_t>::max();
 
 /// Side of a triangle, from its lower vertex to the higher one.
-struct Side {
+struct TriangleSide {
     std::int32_t low, high, triangle, side;
     auto key() const { return std::tuple(low, high, triangle, side); }
 };
@@ -22,11 +22,11 @@ struct Numbered {
 // Sends row(element) for each element to its directory rank, calls answer(rows) there with all received rows, and sends
 // reply(index of the received row) back, which take(element, reply) consumes. Collective.
 template <class Row, class Reply, class MakeRow, class Answer, class MakeReply, class Take>
-void query_keepers(Rounds& rounds, Agreement& agree, const std::vector<std::int64_t>& first,
+void query_keepers(MessageBatches& batches, CollectiveCheck& agree, const std::vector<std::int64_t>& first,
                    const std::vector<std::int32_t>& elements, MakeRow row, Answer answer, MakeReply reply, Take take) {
-    Traffic there(rounds.transport().size());
+    Traffic there(batches.transport().size());
     for (std::size_t r = 0; r < there.out.size(); ++r) there.out[r] = first[r + 1] - first[r];
-    rounds.transport().all_to_all(there.out, there.in);
+    batches.transport().all_to_all(there.out, there.in);
     std::vector<std::int64_t> from(1, 0);
     for (const std::int64_t n : there.in) from.push_back(from.back() + n);
     std::vector<Row> rows;
@@ -37,7 +37,7 @@ void query_keepers(Rounds& rounds, Agreement& agree, const std::vector<std::int6
     const auto place = [&](int rank, std::int64_t i) {
         return static_cast<std::size_t>(from[static_cast<std::size_t>(rank)] + i);
     };
-    rounds.exchange<Row>(
+    batches.exchange<Row>(
         there,
         [&](int rank, std::int64_t begin, std::span<Row> some) {
             for (std::size_t i = 0; i < some.size(); ++i)
@@ -47,9 +47,9 @@ void query_keepers(Rounds& rounds, Agreement& agree, const std::vector<std::int6
             std::copy(some.begin(), some.end(), rows.begin() + static_cast<std::ptrdiff_t>(place(rank, begin)));
         });
     answer(rows);
-    Traffic back(rounds.transport().size());
+    Traffic back(batches.transport().size());
     back.out = there.in, back.in = there.out;
-    rounds.exchange<Reply>(
+    batches.exchange<Reply>(
         back,
         [&](int rank, std::int64_t begin, std::span<Reply> some) {
             for (std::size_t i = 0; i < some.size(); ++i) some[i] = reply(place(rank, begin) + i);
@@ -62,24 +62,26 @@ void query_keepers(Rounds& rounds, Agreement& agree, const std::vector<std::int6
 
 }  // namespace
 
-void FeatureOwners::learn(Rounds& rounds, Agreement& agree, const Share& share, const SharedVertices& copies) {
+void FeatureOwners::learn(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share,
+                          const GhostVertices& copies) {
     known_ = false;
     agree(Phase::ids, [&] { of_.assign(static_cast<std::size_t>(share.scene().triangle_count()), {}); });
-    own_vertices(rounds, agree, share, copies);
-    own_edges(rounds, agree, share);
+    own_vertices(batches, agree, share, copies);
+    own_edges(batches, agree, share);
     known_ = true;
 }
 
 // Finds the lowest triangle at each vertex. Only ghost vertices need the directory: all triangles at any other vertex
 // are on this rank.
-void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& share, const SharedVertices& copies) {
+void FeatureOwners::own_vertices(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share,
+                                 const GhostVertices& copies) {
     struct Least {
         std::int32_t vertex, triangle;
     };
     const PreparedScene& scene = share.scene();
     const std::int64_t n = scene.vertex_count(), m = scene.triangle_count();
     std::vector<std::int32_t> least;
-    ByKeeper shared;
+    ByDirectoryRank shared;
     agree(Phase::ids, [&] {
         least.assign(static_cast<std::size_t>(n), nobody);
         for (std::int64_t i = 0; i < 3 * m; ++i) {
@@ -89,22 +91,22 @@ void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& 
         std::vector<std::uint8_t> chosen(static_cast<std::size_t>(n), 0);
         for (std::int64_t v = 0; v < n; ++v)
             chosen[static_cast<std::size_t>(v)] = copies.shared(static_cast<std::int32_t>(v));
-        shared = ByKeeper(share.vertices(), n, &chosen, rounds.transport().size());
+        shared = ByDirectoryRank(share.vertices(), n, &chosen, batches.transport().size());
     });
     if (copies.any()) {
         const std::int64_t begin =
-            ByKeeper::block(share.vertices().all, rounds.transport().size()) * rounds.transport().rank();
+            ByDirectoryRank::block(share.vertices().all, batches.transport().size()) * batches.transport().rank();
         std::vector<std::int32_t> of_block, block_of_row;
         query_keepers<Least, std::int32_t>(
-            rounds, agree, shared.first, shared.element,
+            batches, agree, shared.first, shared.element,
             [&](std::int32_t v) {
                 return Least{share.vertices()(v), least[static_cast<std::size_t>(v)]};
             },
             [&](const std::vector<Least>& rows) {
                 agree(Phase::ids, [&] {
-                    of_block.assign(
-                        static_cast<std::size_t>(ByKeeper::block(share.vertices().all, rounds.transport().size())),
-                        nobody);
+                    of_block.assign(static_cast<std::size_t>(
+                                        ByDirectoryRank::block(share.vertices().all, batches.transport().size())),
+                                    nobody);
                     for (const Least& row : rows) {
                         block_of_row.push_back(static_cast<std::int32_t>(row.vertex - begin));
                         std::int32_t& of = of_block[static_cast<std::size_t>(block_of_row.back())];
@@ -126,16 +128,16 @@ void FeatureOwners::own_vertices(Rounds& rounds, Agreement& agree, const Share& 
         }
 }
 
-void FeatureOwners::own_edges(Rounds& rounds, Agreement& agree, const Share& share) {
+void FeatureOwners::own_edges(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share) {
     const PreparedScene& scene = share.scene();
-    const int ranks = rounds.transport().size();
+    const int ranks = batches.transport().size();
     const std::int64_t m = scene.triangle_count(),
-                       per = std::max<std::int64_t>(1, ByKeeper::block(share.vertices().all, ranks));
+                       per = std::max<std::int64_t>(1, ByDirectoryRank::block(share.vertices().all, ranks));
     const auto side_of = [&](std::int32_t slot) {
         const std::int32_t t = slot / 3, k = slot % 3;
         const std::int32_t a = share.vertices()(scene.corners[3 * std::int64_t{t} + k]),
                            b = share.vertices()(scene.corners[3 * std::int64_t{t} + (k + 1) % 3]);
-        return Side{std::min(a, b), std::max(a, b), share.triangles()(t), k};
+        return TriangleSide{std::min(a, b), std::max(a, b), share.triangles()(t), k};
     };
     std::vector<std::int64_t> first;
     std::vector<std::int32_t> slots;
@@ -144,7 +146,7 @@ void FeatureOwners::own_edges(Rounds& rounds, Agreement& agree, const Share& sha
         first.assign(static_cast<std::size_t>(ranks) + 1, 0);
         const auto each = [&](auto visit) {
             for (std::int32_t slot = 0; slot < 3 * m; ++slot) {
-                const Side side = side_of(slot);
+                const TriangleSide side = side_of(slot);
                 if (side.low != side.high) visit(slot, static_cast<std::size_t>(side.low / per));
             }
         };
@@ -155,9 +157,9 @@ void FeatureOwners::own_edges(Rounds& rounds, Agreement& agree, const Share& sha
         each([&](std::int32_t slot, std::size_t keeper) { slots[static_cast<std::size_t>(next[keeper]++)] = slot; });
     });
     std::vector<Numbered> numbered;
-    query_keepers<Side, Numbered>(
-        rounds, agree, first, slots, side_of,
-        [&](const std::vector<Side>& sides) {
+    query_keepers<TriangleSide, Numbered>(
+        batches, agree, first, slots, side_of,
+        [&](const std::vector<TriangleSide>& sides) {
             std::vector<std::int32_t> order;
             std::vector<std::int64_t> edges(static_cast<std::size_t>(ranks), 0);
             agree(Phase::ids, [&] {
@@ -167,26 +169,28 @@ void FeatureOwners::own_edges(Rounds& rounds, Agreement& agree, const Share& sha
                 numbered.resize(sides.size());
                 order.resize(sides.size());
                 for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);
-                const auto at = [&](std::int32_t i) -> const Side& { return sides[static_cast<std::size_t>(i)]; };
+                const auto at = [&](std::int32_t i) -> const TriangleSide& {
+                    return sides[static_cast<std::size_t>(i)];
+                };
                 std::sort(order.begin(), order.end(),
                           [&](std::int32_t i, std::int32_t j) { return at(i).key() < at(j).key(); });
                 std::int32_t edge = -1;
                 for (std::size_t i = 0; i < order.size(); ++i) {
-                    const Side& side = at(order[i]);
+                    const TriangleSide& side = at(order[i]);
                     const bool is_first =
                         i == 0 || at(order[i - 1]).low != side.low || at(order[i - 1]).high != side.high;
                     edge += is_first;
                     numbered[static_cast<std::size_t>(order[i])] = {edge, is_first};
                 }
-                edges[static_cast<std::size_t>(rounds.transport().rank())] = edge + 1;
+                edges[static_cast<std::size_t>(batches.transport().rank())] = edge + 1;
             });
-            rounds.transport().reduce(edges, Reduction::sum);
+            batches.transport().reduce(edges, Reduction::sum);
             agree(Phase::ids, [&] {
                 if (std::accumulate(edges.begin(), edges.end(), std::int64_t{0}) > nobody)
                     throw Error(ErrorCode::invalid_argument, "there are more than 2147483647 edges over all ranks");
             });
             std::int64_t before = 0;
-            for (int r = 0; r < rounds.transport().rank(); ++r) before += edges[static_cast<std::size_t>(r)];
+            for (int r = 0; r < batches.transport().rank(); ++r) before += edges[static_cast<std::size_t>(r)];
             for (Numbered& of : numbered) of.edge += static_cast<std::int32_t>(before);
         },
         [&](std::size_t row) { return numbered[row]; },

@@ -24,14 +24,15 @@ struct OwnedFeatures {
 
 class FeatureOwners {
    public:
-    void learn(Rounds& rounds, Agreement& agree, const Share& share, const SharedVertices& copies);
+    void learn(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share, const GhostVertices& copies);
     bool known() const { return known_; }
     void forget() { *this = {}; }
     const OwnedFeatures& of(std::int64_t triangle) const { return of_[static_cast<std::size_t>(triangle)]; }
 
    private:
-    void own_vertices(Rounds& rounds, Agreement& agree, const Share& share, const SharedVertices& copies);
-    void own_edges(Rounds& rounds, Agreement& agree, const Share& share);
+    void own_vertices(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share,
+                      const GhostVertices& copies);
+    void own_edges(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share);
 
     bool known_ = false;
     std::vector<OwnedFeatures> of_;  ///< 1 per local triangle

@@ -41,17 +41,17 @@ void FoundFeatures::add(const FeatureAssembly& part, const Proximities& found) {
 }
 
 template <class Result, class Write>
-void FoundFeatures::exchange_rows(Rounds& rounds, Agreement& agree, Result& result, Write write) {
+void FoundFeatures::exchange_rows(MessageBatches& batches, CollectiveCheck& agree, Result& result, Write write) {
     Rows coming;
     std::array<Traffic, kinds> traffic{Traffic(0), Traffic(0)};
     for (std::size_t k = 0; k < kinds; ++k)
-        traffic[k] = traffic_of(rounds, [&](std::size_t r) { return for_rank_[r][k].size(); });
+        traffic[k] = traffic_of(batches, [&](std::size_t r) { return for_rank_[r][k].size(); });
     agree(Phase::rows, [&] {
         for (std::size_t k = 0; k < kinds; ++k) coming[k].resize(all(traffic[k].in));
     });
     for (std::size_t k = 0; k < kinds; ++k)
         exchange_lists(
-            rounds, traffic[k], [&](std::size_t r) -> auto& { return for_rank_[r][k]; }, coming[k]);
+            batches, traffic[k], [&](std::size_t r) -> auto& { return for_rank_[r][k]; }, coming[k]);
     for_rank_.clear();
     agree(Phase::output, [&] {
         std::vector<std::pair<std::int32_t, Edge>> edges;
@@ -75,16 +75,16 @@ void FoundFeatures::exchange_rows(Rounds& rounds, Agreement& agree, Result& resu
     });
 }
 
-void FoundFeatures::exchange(Rounds& rounds, Agreement& agree, DistributedImpacts& result) {
-    exchange_rows(rounds, agree, result, [](const std::vector<Row>& rows, ImpactList& list) {
+void FoundFeatures::exchange(MessageBatches& batches, CollectiveCheck& agree, DistributedImpacts& result) {
+    exchange_rows(batches, agree, result, [](const std::vector<Row>& rows, ImpactList& list) {
         list.toi.resize(rows.size());
         list.start.resize(rows.size());
         for (std::size_t i = 0; i < rows.size(); ++i) list.toi[i] = rows[i].value, list.start[i] = rows[i].flag;
     });
 }
 
-void FoundFeatures::exchange(Rounds& rounds, Agreement& agree, DistributedProximities& result) {
-    exchange_rows(rounds, agree, result, [&](const std::vector<Row>& rows, ProximityList& list) {
+void FoundFeatures::exchange(MessageBatches& batches, CollectiveCheck& agree, DistributedProximities& result) {
+    exchange_rows(batches, agree, result, [&](const std::vector<Row>& rows, ProximityList& list) {
         list.squared_distance.resize(rows.size());
         list.touching.resize(rows.size());
         for (std::size_t i = 0; i < rows.size(); ++i)

@@ -23,8 +23,8 @@ class FoundFeatures {
     void add(const FeatureAssembly& part, const Proximities& found);
 
     /// Exchanges all rows. `result` receives this rank's rows, sorted. Collective.
-    void exchange(Rounds& rounds, Agreement& agree, DistributedImpacts& result);
-    void exchange(Rounds& rounds, Agreement& agree, DistributedProximities& result);
+    void exchange(MessageBatches& batches, CollectiveCheck& agree, DistributedImpacts& result);
+    void exchange(MessageBatches& batches, CollectiveCheck& agree, DistributedProximities& result);
 
    private:
     // Vertex-face and edge-edge pairs. On ranks every vertex and edge belongs to a triangle, so the other two kinds do
@@ -42,7 +42,7 @@ class FoundFeatures {
     template <class Answer, class Fill>
     void add_rows(const FeatureAssembly& part, const Answer& found, Fill fill);
     template <class Result, class Write>
-    void exchange_rows(Rounds& rounds, Agreement& agree, Result& result, Write write);
+    void exchange_rows(MessageBatches& batches, CollectiveCheck& agree, Result& result, Write write);
 
     std::vector<Rows> for_rank_;
 };

@@ -27,10 +27,11 @@ void FoundRows::add(const AssembledPart& part, const Intersections& found) {
     }
 }
 
-void FoundRows::exchange(Rounds& rounds, Agreement& agree, bool contacts, DistributedIntersections& result) {
-    const Traffic traffic = traffic_of(rounds, [&](std::size_t r) { return for_rank_[r].pairs.size(); });
-    const Traffic of_points = contacts ? traffic_of(rounds, [&](std::size_t r) { return for_rank_[r].points.size(); })
-                                       : Traffic(rounds.transport().size());
+void FoundRows::exchange(MessageBatches& batches, CollectiveCheck& agree, bool contacts,
+                         DistributedIntersections& result) {
+    const Traffic traffic = traffic_of(batches, [&](std::size_t r) { return for_rank_[r].pairs.size(); });
+    const Traffic of_points = contacts ? traffic_of(batches, [&](std::size_t r) { return for_rank_[r].points.size(); })
+                                       : Traffic(batches.transport().size());
     Rows coming;
     agree(Phase::rows, [&] {
         coming.pairs.resize(all(traffic.in));
@@ -38,12 +39,12 @@ void FoundRows::exchange(Rounds& rounds, Agreement& agree, bool contacts, Distri
         coming.points.resize(all(of_points.in));
     });
     exchange_lists(
-        rounds, traffic, [&](std::size_t r) -> auto& { return for_rank_[r].pairs; }, coming.pairs);
+        batches, traffic, [&](std::size_t r) -> auto& { return for_rank_[r].pairs; }, coming.pairs);
     if (contacts) {
         exchange_lists(
-            rounds, traffic, [&](std::size_t r) -> auto& { return for_rank_[r].contacts; }, coming.contacts);
+            batches, traffic, [&](std::size_t r) -> auto& { return for_rank_[r].contacts; }, coming.contacts);
         exchange_lists(
-            rounds, of_points, [&](std::size_t r) -> auto& { return for_rank_[r].points; }, coming.points);
+            batches, of_points, [&](std::size_t r) -> auto& { return for_rank_[r].points; }, coming.points);
     }
     for_rank_.clear();
     agree(Phase::output, [&] { contacts ? order_contacts(coming, result) : order_pairs(coming, result); });

@@ -21,7 +21,7 @@ class FoundRows {
     void add(const AssembledPart& part, const Intersections& found);
 
     /// Exchanges all rows. `result` receives this rank's rows, sorted. Collective.
-    void exchange(Rounds& rounds, Agreement& agree, bool contacts, DistributedIntersections& result);
+    void exchange(MessageBatches& batches, CollectiveCheck& agree, bool contacts, DistributedIntersections& result);
 
    private:
     struct Points {

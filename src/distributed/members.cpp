@@ -33,15 +33,15 @@ void follow(const VertexReader& reader, const Normaliser& normalise, std::vector
 
 }  // namespace
 
-void Members::forget() {
+void RankMembers::forget() {
     entries_.clear(), part_.clear(), masks_.clear(), slack_.clear();
     parts_.clear(), is_listed_.clear();
-    counts_.clear(), changes_.clear(), delta_.clear(), list_.clear(), anew_.clear();
+    counts_.clear(), changes_.clear(), delta_.clear(), list_.clear(), send_whole_.clear();
     before_ = {}, before_at_end_ = {};
     entries_at_first_ = 0;
 }
 
-void Members::update(const Share& share, const Placement& placement, ParallelFor& workers) {
+void RankMembers::update(const LocalMesh& share, const PartLayout& placement, ParallelFor& workers) {
     const auto parts = static_cast<std::size_t>(placement.parts());
     const auto triangles = static_cast<std::size_t>(share.scene().triangle_count());
     depth_ = static_cast<std::size_t>(placement.tree().depth);
@@ -52,14 +52,14 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
     changes_.resize(parts);
     delta_.resize(parts);
     list_.resize(parts);
-    anew_.resize(parts, 0);
+    send_whole_.resize(parts, 0);
     measure_steps(share, placement, workers);
 
     const std::size_t slices = std::clamp<std::size_t>(triangles / 4096, 1, 256);
     std::vector<Found> found(slices);
     workers.parallel_for(slices, [&](std::size_t s) {
-        found[s] = look(share, placement, static_cast<std::int64_t>(s * triangles / slices),
-                        static_cast<std::int64_t>((s + 1) * triangles / slices));
+        found[s] = find_entries(share, placement, static_cast<std::int64_t>(s * triangles / slices),
+                                static_cast<std::int64_t>((s + 1) * triangles / slices));
     });
     for (Found& slice : found) {
         std::size_t first = 0;
@@ -76,7 +76,7 @@ void Members::update(const Share& share, const Placement& placement, ParallelFor
 }
 
 // Measures how far vertices have moved, in normalised coordinates like slack.
-void Members::measure_steps(const Share& share, const Placement& placement, ParallelFor& workers) {
+void RankMembers::measure_steps(const LocalMesh& share, const PartLayout& placement, ParallelFor& workers) {
     const PreparedScene& scene = share.scene();
     step_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
     measure_steps(scene.reader[0], placement.normaliser(), before_, workers);
@@ -85,8 +85,8 @@ void Members::measure_steps(const Share& share, const Placement& placement, Para
 
 // Measures the distances of vertices from their positions in `before`, if it has as many vertices; else they are 0.
 // Updates `before`.
-void Members::measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
-                            ParallelFor& workers) {
+void RankMembers::measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
+                                ParallelFor& workers) {
     const std::size_t n = step_.size();
     const auto measure = [&](auto& known) {
         const bool comparable = known.size() == 3 * n;
@@ -105,7 +105,7 @@ void Members::measure_steps(const VertexReader& reader, const Normaliser& normal
     return measure(std::get<std::vector<double>>(before));
 }
 
-bool Members::may_have_reached_a_part(const PreparedScene& scene, std::int64_t t) {
+bool RankMembers::may_have_reached_a_part(const PreparedScene& scene, std::int64_t t) {
     const std::int32_t* const corners = scene.corners + 3 * t;
     const auto step = [&](int c) { return step_[static_cast<std::size_t>(corners[c])]; };
     float& slack = slack_[static_cast<std::size_t>(t)];
@@ -113,7 +113,8 @@ bool Members::may_have_reached_a_part(const PreparedScene& scene, std::int64_t t
     return !(slack > 0);
 }
 
-Members::Found Members::look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end) {
+RankMembers::Found RankMembers::find_entries(const LocalMesh& share, const PartLayout& placement, std::int64_t begin,
+                                             std::int64_t end) {
     Found found;
     const PartTree tree = placement.tree();
     for (std::int64_t t = begin; t < end; ++t) {
@@ -137,7 +138,8 @@ Members::Found Members::look(const Share& share, const Placement& placement, std
 }
 
 // Records how the parts of a triangle have changed. Old and new parts are ascending.
-void Members::take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks) {
+void RankMembers::take(std::int32_t triangle, std::span<const std::int32_t> parts,
+                       std::span<const std::uint64_t> masks) {
     Entries& known = entries_[static_cast<std::size_t>(triangle)];
     bool same = static_cast<std::size_t>(known.count) == parts.size();
     std::size_t i = 0, j = static_cast<std::size_t>(known.first);
@@ -176,7 +178,7 @@ void Members::take(std::int32_t triangle, std::span<const std::int32_t> parts, s
     std::copy(masks.begin(), masks.end(), masks_.begin() + static_cast<std::ptrdiff_t>(depth_ * first));
 }
 
-std::int64_t Members::bytes_of_changes() {
+std::int64_t RankMembers::bytes_of_changes() {
     send_some_whole();
     std::size_t rows = 0;
     for (const std::int32_t part : parts_) {
@@ -186,7 +188,7 @@ std::int64_t Members::bytes_of_changes() {
     return static_cast<std::int64_t>(rows * (sizeof(MemberRow) + depth_ * sizeof(std::uint64_t)));
 }
 
-void Members::make_rows(std::span<const std::int32_t> parts, const Share& share, const SharedVertices& copies) {
+void RankMembers::make_rows(std::span<const std::int32_t> parts, const LocalMesh& share, const GhostVertices& copies) {
     Places places;
     const auto put_masks = [&](std::int32_t part, std::int32_t triangle, std::vector<std::uint64_t>& to) {
         const Entries& entries = entries_[static_cast<std::size_t>(triangle)];
@@ -213,19 +215,19 @@ void Members::make_rows(std::span<const std::int32_t> parts, const Share& share,
 }
 
 // Lists all members of parts with a new owner as added.
-void Members::send_some_whole() {
-    if (std::find(anew_.begin(), anew_.end(), 1) == anew_.end()) return;
-    for (std::size_t k = 0; k < anew_.size(); ++k)
-        if (anew_[k]) changes_[k] = {}, list_[k] = {};
+void RankMembers::send_some_whole() {
+    if (std::find(send_whole_.begin(), send_whole_.end(), 1) == send_whole_.end()) return;
+    for (std::size_t k = 0; k < send_whole_.size(); ++k)
+        if (send_whole_[k]) changes_[k] = {}, list_[k] = {};
     for (std::size_t t = 0; t < entries_.size(); ++t)
         for (std::int32_t e = entries_[t].first; e < entries_[t].first + entries_[t].count; ++e) {
             const auto k = static_cast<std::size_t>(part_[static_cast<std::size_t>(e)]);
-            if (anew_[k]) changes_[k].added.push_back(static_cast<std::int32_t>(t));
+            if (send_whole_[k]) changes_[k].added.push_back(static_cast<std::int32_t>(t));
         }
-    std::fill(anew_.begin(), anew_.end(), std::uint8_t{0});
+    std::fill(send_whole_.begin(), send_whole_.end(), std::uint8_t{0});
 }
 
-void Members::number_corners(std::size_t k, const Share& share, const SharedVertices& copies, Places& places) {
+void RankMembers::number_corners(std::size_t k, const LocalMesh& share, const GhostVertices& copies, Places& places) {
     const std::vector<std::int32_t>& triangles = changes_[k].added;
     if (triangles.empty()) return;
     const PreparedScene& scene = share.scene();
@@ -259,17 +261,17 @@ void Members::number_corners(std::size_t k, const Share& share, const SharedVert
     if (first) list_[k].at_first = list.size();
 }
 
-DeltaCounts Members::counts_of_delta(std::int32_t part) const {
+DeltaCounts RankMembers::counts_of_delta(std::int32_t part) const {
     const PartDelta& delta = delta_[static_cast<std::size_t>(part)];
     const auto size = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
     return {size(delta.removed), size(delta.changed), size(delta.added), size(delta.vertices), size(vertices(part))};
 }
 
-void Members::sent(std::span<const std::int32_t> parts) {
+void RankMembers::sent(std::span<const std::int32_t> parts) {
     for (const std::int32_t part : parts) delta_[static_cast<std::size_t>(part)] = {};
 }
 
-bool Members::stale() const {
+bool RankMembers::stale() const {
     std::size_t at_first = 0, now = 0;
     for (const std::int32_t part : parts_) {
         const VertexList& list = list_[static_cast<std::size_t>(part)];

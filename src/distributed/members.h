@@ -53,10 +53,10 @@ struct PartDelta {
     std::vector<std::int32_t> vertices;         ///< ids of ghost vertices, -1 - id of others
 };
 
-class Members {
+class RankMembers {
    public:
     /// Finds what has changed since the previous call; after forget(), everything counts as changed.
-    void update(const Share& share, const Placement& placement, ParallelFor& workers);
+    void update(const LocalMesh& share, const PartLayout& placement, ParallelFor& workers);
     /// Sets the features to be sent with the triangles that own them, for queries about features; null for other
     /// queries.
     void set_features(const FeatureOwners* features) { features_ = features; }
@@ -67,12 +67,12 @@ class Members {
     std::span<const std::int32_t> parts() const { return parts_; }
 
     /// Marks a part with a new owner, to which all members must be sent.
-    void send_again(std::int32_t part) { anew_[static_cast<std::size_t>(part)] = 1; }
+    void send_again(std::int32_t part) { send_whole_[static_cast<std::size_t>(part)] = 1; }
     /// Adds all members of parts with a new owner to the deltas, and returns the approximate size of all deltas in
     /// bytes.
     std::int64_t bytes_of_changes();
     /// Makes the deltas of these parts.
-    void make_rows(std::span<const std::int32_t> parts, const Share& share, const SharedVertices& copies);
+    void make_rows(std::span<const std::int32_t> parts, const LocalMesh& share, const GhostVertices& copies);
 
     PartDelta& delta(std::int32_t part) { return delta_[static_cast<std::size_t>(part)]; }
     DeltaCounts counts_of_delta(std::int32_t part) const;
@@ -93,7 +93,7 @@ class Members {
     struct Entries {
         std::int32_t first = 0, count = 0;
     };
-    /// Result of look() for a slice of the triangles: the entries of the triangles that were examined.
+    /// Result of find_entries() for a slice of the triangles: the entries of the triangles that were examined.
     struct Found {
         std::vector<std::int32_t> triangle, count, part;
         std::vector<std::uint64_t> masks;
@@ -104,18 +104,18 @@ class Members {
         std::size_t at_first = 0;
     };
 
-    void measure_steps(const Share& share, const Placement& placement, ParallelFor& workers);
+    void measure_steps(const LocalMesh& share, const PartLayout& placement, ParallelFor& workers);
     void measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
                        ParallelFor& workers);
     bool may_have_reached_a_part(const PreparedScene& scene, std::int64_t t);
-    Found look(const Share& share, const Placement& placement, std::int64_t begin, std::int64_t end);
+    Found find_entries(const LocalMesh& share, const PartLayout& placement, std::int64_t begin, std::int64_t end);
     void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
     void send_some_whole();
     /// Index of each vertex in the list of the current part; valid if the vertex's stamp is that part.
     struct Places {
         std::vector<std::int32_t> place, stamp;
     };
-    void number_corners(std::size_t part, const Share& share, const SharedVertices& copies, Places& places);
+    void number_corners(std::size_t part, const LocalMesh& share, const GhostVertices& copies, Places& places);
     std::span<const std::uint64_t> masks(std::size_t entry) const { return {masks_.data() + depth_ * entry, depth_}; }
 
     /// Local triangles that leave a part, whose masks change, or that enter it; ascending.
@@ -139,7 +139,7 @@ class Members {
     std::vector<Changes> changes_;
     std::vector<PartDelta> delta_;
     std::vector<VertexList> list_;
-    std::vector<std::uint8_t> anew_;
+    std::vector<std::uint8_t> send_whole_;
 };
 
 }  // namespace crumple::distribute

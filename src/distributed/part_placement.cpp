@@ -29,9 +29,9 @@ Box widened(const Box& box) {
 
 }  // namespace
 
-void Placement::make(Rounds& rounds, Agreement& agree, const Share& share, int parts, const Box& box,
-                     ParallelFor& workers) {
-    Transport& transport = rounds.transport();
+void PartLayout::make(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share, int parts,
+                      const Box& box, ParallelFor& workers) {
+    Transport& transport = batches.transport();
     constexpr int root = 0;
     const bool here = transport.rank() == root;
     reach_ = widened(box);
@@ -53,7 +53,7 @@ void Placement::make(Rounds& rounds, Agreement& agree, const Share& share, int p
     Traffic traffic(transport.size());
     traffic.out[root] = static_cast<std::int64_t>(mine.size());
     transport.all_to_all(traffic.out, traffic.in);
-    rounds.exchange<SampleRow>(
+    batches.exchange<SampleRow>(
         traffic,
         [&](int, std::int64_t first, std::span<SampleRow> rows) {
             std::copy_n(mine.begin() + static_cast<std::ptrdiff_t>(first), rows.size(), rows.begin());
@@ -76,7 +76,7 @@ void Placement::make(Rounds& rounds, Agreement& agree, const Share& share, int p
     });
 }
 
-bool Placement::serves(int parts, const Box& box) const {
+bool PartLayout::serves(int parts, const Box& box) const {
     if (!centres_ || parts != parts_) return false;
     for (int axis = 0; axis < 3; ++axis)
         if (box.low[axis] < reach_.low[axis] || box.high[axis] > reach_.high[axis]) return false;

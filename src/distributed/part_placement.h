@@ -27,10 +27,11 @@ struct Box {
     Vec3d low, high;
 };
 
-class Placement {
+class PartLayout {
    public:
     /// Makes the centres of `parts` parts of the scene, which lies in `box`. Collective.
-    void make(Rounds& rounds, Agreement& agree, const Share& share, int parts, const Box& box, ParallelFor& workers);
+    void make(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share, int parts, const Box& box,
+              ParallelFor& workers);
     void forget() { centres_.reset(); }
 
     /// True if there are centres of `parts` parts that can be reused for a scene in this box.

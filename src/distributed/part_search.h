@@ -37,10 +37,10 @@ class PartSearch : private DetectorState {
     ParallelFor& workers() { return *backend; }
     /// Downloads a mesh. Throws Error unless the backend is cuda.
     void copy_to_host(const DeviceShape& there, HostShape& here) {
-        backend->device_feature_search().copy_to_host(there, Copied::all, here);
+        backend->device_feature_calls().copy_to_host(there, Copied::all, here);
     }
     MemoryMeter& memory() { return meter; }
-    void release() { forget(); }
+    void release() { free_caches(); }
 
    private:
     template <class Query, class Answer>

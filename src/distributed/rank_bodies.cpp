@@ -134,7 +134,7 @@ void Bodies::check_shape(const Shape& shape, std::int32_t body) const {
     if (shape.rest.data || shape.rest.rows != 0) refuse_body(body, ": ranks take no shape at rest");
 }
 
-void Bodies::number(Transport& transport, Agreement& agree) {
+void Bodies::number(Transport& transport, CollectiveCheck& agree) {
     if (!resolve_body_ids(transport, agree)) tabulate(transport, agree);
     agree(Phase::input, [&] {
         exchange_filters();
@@ -143,7 +143,7 @@ void Bodies::number(Transport& transport, Agreement& agree) {
 }
 
 // Checks ids of bodies. Returns true if the table of the previous call is still valid.
-bool Bodies::resolve_body_ids(Transport& transport, Agreement& agree) {
+bool Bodies::resolve_body_ids(Transport& transport, CollectiveCheck& agree) {
     std::vector<std::int64_t> bodies(static_cast<std::size_t>(transport.size()) + 2, 0);
     const auto rank = static_cast<std::size_t>(transport.rank());
     bodies[rank] = outline_.bodies();
@@ -181,14 +181,14 @@ bool Bodies::resolve_body_ids(Transport& transport, Agreement& agree) {
     return false;
 }
 
-void Bodies::tabulate(Transport& transport, Agreement& agree) {
+void Bodies::tabulate(Transport& transport, CollectiveCheck& agree) {
     static_assert(sizeof(Row) == 5 * sizeof(std::int64_t));
     std::vector<std::int64_t> numbers;
     agree(Phase::input, [&] {
         numbers.assign(5 * table_.size(), 0);
         for (const auto& [id, row] : kept_) {
             std::int64_t* const of = numbers.data() + 5 * id;
-            of[0] += row.brought, of[1] += row.rank;
+            of[0] += row.providers, of[1] += row.rank;
             of[2] += row.triangles, of[3] += row.vertices, of[4] += row.self;
         }
     });
@@ -292,7 +292,7 @@ void Bodies::pose_body(std::int32_t body, std::int64_t first_vertex, std::int64_
     });
 }
 
-void Bodies::count_edges(Transport& transport, Agreement& agree, const FeatureOwners& features) {
+void Bodies::count_edges(Transport& transport, CollectiveCheck& agree, const FeatureOwners& features) {
     if (!first_edge_.empty()) return;
     std::vector<std::int64_t> edges;
     agree(Phase::rows, [&] {

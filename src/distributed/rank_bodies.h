@@ -32,11 +32,11 @@ class Bodies {
     void outline(const WorldShare& share, const PairFilter& rules, bool moving);
     /// Checks that each body occurs once, and sets ids and groups of the local mesh. Collective. Throws the same Error
     /// on all ranks.
-    void number(Transport& transport, Agreement& agree);
+    void number(Transport& transport, CollectiveCheck& agree);
     /// Writes corners and posed vertices to the local mesh. Throws Error (Element::body, by its id).
     void pose(ParallelFor& workers);
     /// Counts the edges of each body, by the triangles that own them. Collective.
-    void count_edges(Transport& transport, Agreement& agree, const FeatureOwners& features);
+    void count_edges(Transport& transport, CollectiveCheck& agree, const FeatureOwners& features);
     void forget_edges() { first_edge_.clear(); }
     void forget();
 
@@ -66,7 +66,7 @@ class Bodies {
     /// Row of the table. The rows of all ranks are added up: only the rank that has the body contributes numbers other
     /// than 0.
     struct Row {
-        std::int64_t brought = 0, rank = 0, triangles = 0, vertices = 0, self = 0;
+        std::int64_t providers = 0, rank = 0, triangles = 0, vertices = 0, self = 0;
         friend bool operator==(const Row&, const Row&) = default;
     };
 
@@ -78,8 +78,8 @@ class Bodies {
     [[noreturn]] static void fail_with_id(const Error& error, std::int64_t body, std::int64_t id);
     void read_share(const WorldShare& share, const PairFilter& rules, bool moving);
     void check_shape(const Shape& shape, std::int32_t body) const;
-    bool resolve_body_ids(Transport& transport, Agreement& agree);
-    void tabulate(Transport& transport, Agreement& agree);
+    bool resolve_body_ids(Transport& transport, CollectiveCheck& agree);
+    void tabulate(Transport& transport, CollectiveCheck& agree);
     void exchange_filters();
     void give_numbers();
     void pose_body(std::int32_t body, std::int64_t first_vertex, std::int64_t first_triangle, ParallelFor& workers);

@@ -35,17 +35,17 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
     : transport_(transport),
       options_(options),
       rounds_(transport, std::max<std::int64_t>(options.round_bytes, 1024)),
-      agree_(transport),
+      check_(transport),
       clock_(time_of_day),
       share_(nullptr) {
-    agree_(Phase::query, [&] {
+    check_(Phase::query, [&] {
         check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
         check(options.round_bytes >= 1024, "round_bytes must be at least 1024");
         check(options.detector.devices.empty(), "devices must be empty: a rank has one device");
         engine_.emplace(options_.detector);
         rounds_.reserve();
     });
-    agree_.before = [&](Phase phase) {
+    check_.before = [&](Phase phase) {
         statistics_[phase_] += watch_.lap();
         phase_ = phase;
         if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "the call was cancelled");
@@ -66,7 +66,7 @@ void RankDetector::show_phase(Phase phase) {
     if (show_ && phase != Phase::search) show_({phase});
 }
 
-void RankDetector::answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask,
+void RankDetector::answer(const MeshShare& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
                           FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work) {
     const FloatEnvironment environment;
     Stopwatch whole;
@@ -77,14 +77,14 @@ void RankDetector::answer(const MeshShare& share, const VertexView* end, Functio
     phase_ = Phase::query;
     shown_.reset();
     try {
-        agree_(Phase::query, [&] {
+        check_(Phase::query, [&] {
             asked_ = ask();
-            Share::check_shape(share);
+            LocalMesh::check_shape(share);
         });
         check_query_of_ranks(share, end);
         prepare();
         read(share, end);
-        resolve_body_ids();
+        check_ids();
         place();
         list_members();
         deliver();
@@ -123,7 +123,7 @@ void RankDetector::check_query_of_ranks(const MeshShare& share, const VertexView
     counts_[2 * static_cast<std::size_t>(transport_.rank())] = share.mesh.triangles.rows;
     counts_[2 * static_cast<std::size_t>(transport_.rank()) + 1] = share.mesh.vertices.rows;
     reduce(counts_, Reduction::sum);
-    agree_(Phase::query, [&] {
+    check_(Phase::query, [&] {
         for (std::size_t i = 0; i < n; ++i)
             check(told[i] == -told[n + i], "the ranks ask different questions, or have different options");
         std::int64_t triangles = 0;
@@ -134,7 +134,7 @@ void RankDetector::check_query_of_ranks(const MeshShare& share, const VertexView
 }
 
 void RankDetector::read(const MeshShare& share, const VertexView* end) {
-    agree_(Phase::input, [&] {
+    check_(Phase::input, [&] {
         share_.number(share, triangle_ids_, vertex_ids_, counts_, transport_.rank());
         if (share.mesh.memory == MemorySpace::host) {
             share_.read(share, engine_->workers());
@@ -163,12 +163,12 @@ void RankDetector::read(const MeshShare& share, const VertexView* end) {
             last = std::max<std::int64_t>(last, share_.vertices()(v));
     least[6] = -last;
     bool same = false;
-    agree_(Phase::input, [&] { same = share_.is_same_as_before(); });
+    check_(Phase::input, [&] { same = share_.is_same_as_before(); });
     least[7] = same;
     reduce(least, Reduction::min);
     if (vertex_ids_) {
         // Checks this before any rank allocates arrays of that size.
-        agree_(Phase::input, [&] {
+        check_(Phase::input, [&] {
             std::int64_t brought = 0;
             for (std::size_t r = 1; r < counts_.size(); r += 2) brought += counts_[r];
             if (-least[6] < brought) return;
@@ -188,17 +188,17 @@ void RankDetector::read(const MeshShare& share, const VertexView* end) {
     same_ = least[7] != 0;
 }
 
-void RankDetector::resolve_body_ids() {
+void RankDetector::check_ids() {
     if (!same_) {
-        if (triangle_ids_) check_each_once(rounds_, agree_, share_.triangles(), share_.scene().triangle_count());
-        copies_.learn(rounds_, agree_, share_.vertices(), share_.scene().vertex_count());
+        if (triangle_ids_) check_each_once(rounds_, check_, share_.triangles(), share_.scene().triangle_count());
+        copies_.learn(rounds_, check_, share_.vertices(), share_.scene().vertex_count());
         features_.forget();
         bodies_.forget_edges();
     }
-    copies_.check(rounds_, agree_, share_.scene().reader[0], float32_, "");
+    copies_.check(rounds_, check_, share_.scene().reader[0], float32_, "");
     if (!asked_.features) return;
-    if (asked_.features->moving) copies_.check(rounds_, agree_, share_.scene().end, float32_, " at the end");
-    if (!features_.known()) features_.learn(rounds_, agree_, share_, copies_);
+    if (asked_.features->moving) copies_.check(rounds_, check_, share_.scene().end, float32_, " at the end");
+    if (!features_.known()) features_.learn(rounds_, check_, share_, copies_);
 }
 
 void RankDetector::place() {
@@ -211,11 +211,11 @@ void RankDetector::place() {
     if (serves) return;
     owners_.forget();
     expected_work_.clear();
-    placement_.make(rounds_, agree_, share_, parts, box_, engine_->workers());
+    placement_.make(rounds_, check_, share_, parts, box_, engine_->workers());
 }
 
 void RankDetector::list_members() {
-    agree_(Phase::members, [&] {
+    check_(Phase::members, [&] {
         if (demand_) {
             const FeaturePartDemand query{demand_->moving, demand_->distance, demand_->share};
             placement_.widen(&query);
@@ -226,7 +226,7 @@ void RankDetector::list_members() {
         members_.update(share_, placement_, engine_->workers());
     });
     give_out();
-    agree_(Phase::members, [&] { own_parts(); });
+    check_(Phase::members, [&] { own_parts(); });
 }
 
 // At first assigns parts by their number of members, each to a rank that has many of these; later by measured work, if
@@ -295,7 +295,7 @@ void RankDetector::own_parts() {
 void RankDetector::deliver() {
     const auto depth = static_cast<std::size_t>(placement_.tree().depth);
     const bool features = demand_.has_value();
-    Delivery(rounds_, agree_, owners_, members_, share_, copies_, mine_, depth)
+    Delivery(rounds_, check_, owners_, members_, share_, copies_, mine_, depth)
         .run({.float32 = float32_, .features = features, .moving = features && demand_->moving},
              [&](std::int64_t bytes) {
                  MemoryMeter& memory = engine_->memory();
@@ -312,7 +312,7 @@ void RankDetector::deliver() {
 
 void RankDetector::search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bool()> done) {
     work_.assign(static_cast<std::size_t>(placement_.parts()), 0);
-    agree_(Phase::search, [&] {
+    check_(Phase::search, [&] {
         DistributedProgress progress{Phase::search};
         progress.parts = static_cast<int>(
             std::count_if(mine_.begin(), mine_.end(), [](const AssembledPart& part) { return part.size() > 0; }));

@@ -70,9 +70,9 @@ class CRUMPLE_API RankDetector {
    private:
     /// Runs all phases. ask() returns the query as ranks compare it, and may throw. prepare() is called after the
     /// comparison, and may communicate. work() runs the last three phases.
-    void answer(const MeshShare& share, const VertexView* end, FunctionRef<Asked()> ask, FunctionRef<void()> prepare,
-                std::stop_token stop, FunctionRef<void()> work);
-    void answer(const WorldShare& share, const PairFilter& rules, bool moving, FunctionRef<Asked()> ask,
+    void answer(const MeshShare& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
+                FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work);
+    void answer(const WorldShare& share, const PairFilter& rules, bool moving, FunctionRef<ComparedQuery()> ask,
                 std::stop_token stop, FunctionRef<void()> work);
     void search_rows(const IntersectionQuery& query, RankOutput wants);
     void search_body_pairs(const IntersectionQuery& query);
@@ -86,7 +86,7 @@ class CRUMPLE_API RankDetector {
 
     void check_query_of_ranks(const MeshShare& share, const VertexView* end);
     void read(const MeshShare& share, const VertexView* end);
-    void resolve_body_ids();
+    void check_ids();
     void place();
     void list_members();
     void give_out();
@@ -111,8 +111,8 @@ class CRUMPLE_API RankDetector {
 
     Transport& transport_;
     DistributedOptions options_;
-    Rounds rounds_;
-    Agreement agree_;
+    MessageBatches rounds_;
+    CollectiveCheck check_;
     std::function<void(Phase)> hook_;
     std::function<void(const DistributedProgress&)> show_;
     std::stop_token stop_;
@@ -122,7 +122,7 @@ class CRUMPLE_API RankDetector {
     std::optional<Phase> shown_;  ///< latest phase of this call that was reported to show_
 
     // Per call:
-    Asked asked_;
+    ComparedQuery asked_;
     bool float32_ = true, groups_ = false, triangle_ids_ = false, vertex_ids_ = false;
     bool same_ = false;  ///< triangles, groups and ids are those of the previous call; after place() also parts
     std::vector<std::int64_t> counts_;
@@ -133,12 +133,12 @@ class CRUMPLE_API RankDetector {
     // Cached between calls:
     std::optional<PartSearch> engine_;
     HostShape staged_;  ///< host copy of a local mesh in device memory
-    Share share_;
+    LocalMesh share_;
     Bodies bodies_;
-    SharedVertices copies_;
-    Placement placement_;
+    GhostVertices copies_;
+    PartLayout placement_;
     Owners owners_;
-    Members members_;
+    RankMembers members_;
     std::vector<AssembledPart> mine_;
     std::vector<std::int64_t> expected_work_;  ///< nanoseconds of each part; empty: unknown
     std::int64_t reserved_ = 0;                ///< bytes of parts that the meter counts

@@ -29,7 +29,7 @@ std::int64_t word_of(const Pairs& pairs) {
     return static_cast<std::int64_t>(word >> 1);
 }
 
-void tell(const PairFilter& rules, bool world, Asked& asked) {
+void tell(const PairFilter& rules, bool world, ComparedQuery& asked) {
     check(world || rules.excluded_bodies.empty(), "excluded_bodies must be empty: a share is no world");
     asked.told.insert(asked.told.end(),
                       {static_cast<std::int64_t>(rules.bodies), static_cast<std::int64_t>(rules.groups),
@@ -42,10 +42,10 @@ constexpr const char* no_containment = "containment must be false: ranks find th
 
 }  // namespace
 
-Asked request_of_ranks(const IntersectionQuery& query, RankOutput output) {
+ComparedQuery request_of_ranks(const IntersectionQuery& query, RankOutput output) {
     check(output != RankOutput::body_pairs, "body_pairs are those of bodies, and a share is no world");
     check(!query.containment, no_containment);
-    Asked asked;
+    ComparedQuery asked;
     asked.told = {static_cast<std::int64_t>(Kind::intersections),
                   static_cast<std::int64_t>(output),
                   static_cast<std::int64_t>(query.neighbours),
@@ -77,21 +77,21 @@ RankOutput output_of(const IntersectionQuery& query) {
     return RankOutput::pairs;
 }
 
-Asked request_of_ranks(const IntersectionQuery& query) {
+ComparedQuery request_of_ranks(const IntersectionQuery& query) {
     check(!query.index, "index must be false: ranks have no offsets by body");
     check(!query.containment, no_containment);
-    Asked asked;
+    ComparedQuery asked;
     asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(query.output),
                   static_cast<std::int64_t>(query.neighbours), static_cast<std::int64_t>(query.kind), query.weld};
     tell(query.filter, true, asked);
     return asked;
 }
 
-Asked request_of_ranks(const ImpactQuery& query, bool world) {
+ComparedQuery request_of_ranks(const ImpactQuery& query, bool world) {
     check_query_options(query, false);
     check(!query.triangle_pairs, "triangle_pairs must be false: ranks have none");
     check(!query.index, "index must be false: ranks have no offsets by feature");
-    Asked asked;
+    ComparedQuery asked;
     asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(query.output), query.weld,
                   query.approaching_only};
     tell(query.min_distance, asked.told);
@@ -101,14 +101,14 @@ Asked request_of_ranks(const ImpactQuery& query, bool world) {
     return asked;
 }
 
-Asked request_of_ranks(const ProximityQuery& query, bool world) {
+ComparedQuery request_of_ranks(const ProximityQuery& query, bool world) {
     check_query_options(query, false);
     check(query.radii.empty(), "radii must be empty: ranks take one radius");
     check(!query.rest.data && query.rest.rows == 0, "rest must be empty: ranks take no shape at rest");
     check(query.rings == 0, "rings must be 0: ranks leave out features with a common vertex");
     check(!query.least, "least must be false: ranks tell no least distances");
     check(!query.index, "index must be false: ranks have no offsets by feature");
-    Asked asked;
+    ComparedQuery asked;
     asked.told = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(query.output), query.strict,
                   query.closest, query.weld};
     tell(query.radius, asked.told);

@@ -17,19 +17,19 @@ namespace crumple::distribute {
 /// Output of a query about intersections; contacts are part of the pairs' rows.
 enum class RankOutput : std::uint8_t { any, count, pairs, body_pairs };
 
-struct Asked {
+struct ComparedQuery {
     std::vector<std::int64_t> told;         ///< values that must be equal on all ranks
     std::optional<FeatureDemand> features;  ///< set for queries about features
     bool between_groups = false;            ///< only pairs between groups are requested, so groups are required
 };
 
 /// Converts a query about meshes. Throws Error (invalid_argument) if it is invalid, or not supported on ranks.
-Asked request_of_ranks(const IntersectionQuery& query, RankOutput output);
+ComparedQuery request_of_ranks(const IntersectionQuery& query, RankOutput output);
 /// `world`: true for a query about bodies, whose pair filter may name them.
-Asked request_of_ranks(const ImpactQuery& query, bool world);
-Asked request_of_ranks(const ProximityQuery& query, bool world);
+ComparedQuery request_of_ranks(const ImpactQuery& query, bool world);
+ComparedQuery request_of_ranks(const ProximityQuery& query, bool world);
 /// Converts a query about bodies.
-Asked request_of_ranks(const IntersectionQuery& query);
+ComparedQuery request_of_ranks(const IntersectionQuery& query);
 RankOutput output_of(const IntersectionQuery& query);
 
 }  // namespace crumple::distribute

@@ -28,9 +28,9 @@ struct Ids {
     }
 };
 
-class Share {
+class LocalMesh {
    public:
-    explicit Share(MemoryMeter* meter) : buffers_(meter) {}
+    explicit LocalMesh(MemoryMeter* meter) : buffers_(meter) {}
 
     /// Checks the sizes of the arrays. Throws Error (invalid_argument).
     static void check_shape(const MeshShare& share);

@@ -51,7 +51,7 @@ CRUMPLE_HD inline Ball ball_of_box(const Vec3f (&start)[3], const Vec3f (&end)[3
 
 /// Returns the factor of the radius in the bisector rule (see joins()): twice the distance of two centres, widened for
 /// rounding errors. `between`: difference of the two centres.
-CRUMPLE_HD inline float bisector_extent(const Vec3f& between) {
+CRUMPLE_HD inline float bisector_radius_factor(const Vec3f& between) {
     return 2.00001f * std::sqrt(dot(between, between)) + 1e-22f;
 }
 
@@ -61,7 +61,7 @@ inline constexpr float bisector_factor = 1.000002f;
 /// True if a ball of radius r may contain a point whose nearest cluster centre is v_k. Bisector rule: d_k^2 - d_m^2 <=
 /// 2 r |v_k - v_m|, where v_m is the cluster centre nearest to the ball's centre, and d_k and d_m are the distances of
 /// v_k and v_m from the ball's centre. Factors cover the roundings. `d2`, `nearest_d2`: d_k^2 and d_m^2; `reach`:
-/// bisector_extent() of v_k and v_m.
+/// bisector_radius_factor() of v_k and v_m.
 CRUMPLE_HD inline bool joins(float d2, float nearest_d2, float r, float reach) {
     return !(d2 > nearest_d2 * bisector_factor + r * reach);
 }

@@ -40,17 +40,17 @@ std::variant<std::vector<float>, std::vector<double>> copy_positions(const Verte
     return reader.float32 ? copy(float()) : copy(double());
 }
 
-class FeatureCopy {
+class FeatureCopier {
    public:
-    FeatureCopy(const PreparedScene& scene, const SceneFeatures& features, const FeaturePartDemand& query)
-        : scene_(scene), features_(features), question_(query) {}
+    FeatureCopier(const PreparedScene& scene, const SceneFeatures& features, const FeaturePartDemand& query)
+        : scene_(scene), features_(features), query_(query) {}
 
     void operator()(std::span<const std::int32_t> ids, Part& part) const {
         PartFeatures& out = part.features.emplace();
-        out.moving = question_.moving;
-        out.distance = question_.distance;
-        out.share = question_.share;
-        out.weld = question_.weld;
+        out.moving = query_.moving;
+        out.distance = query_.distance;
+        out.share = query_.share;
+        out.weld = query_.weld;
         out.faces =
             std::partition_point(ids.begin(), ids.end(), [&](std::int32_t t) { return t < features_.faces(); }) -
             ids.begin();
@@ -58,7 +58,7 @@ class FeatureCopy {
         copy_edges(ids, out);
         copy_points(ids, out);
         copy_vertices(out);
-        if (question_.rings) copy_rings(out);
+        if (query_.rings) copy_rings(out);
     }
 
    private:
@@ -74,11 +74,11 @@ class FeatureCopy {
             const std::int64_t proxy = t - features_.faces();
             const std::int32_t face = proxy < 0 ? t : features_.face_of_proxy(proxy);
             if (proxy >= 0) out.of_no_face.push_back(face < 0);
-            if (!question_.groups.empty())
-                mesh.groups.push_back(face < 0 ? 0 : question_.groups[static_cast<std::size_t>(face)]);
+            if (!query_.groups.empty())
+                mesh.groups.push_back(face < 0 ? 0 : query_.groups[static_cast<std::size_t>(face)]);
         }
         mesh.vertices = copy_positions(scene_.reader[0], out.vertices);
-        if (question_.moving) out.end = copy_positions(scene_.moving ? scene_.end : scene_.reader[0], out.vertices);
+        if (query_.moving) out.end = copy_positions(scene_.moving ? scene_.end : scene_.reader[0], out.vertices);
     }
 
     void copy_edges(std::span<const std::int32_t> ids, PartFeatures& out) const {
@@ -118,7 +118,7 @@ class FeatureCopy {
     }
 
     void copy_vertices(PartFeatures& out) const {
-        const FirstByName first = first_by_name(out);
+        const LocalRepresentatives first = first_by_name(out);
         if (features_.is_welded())
             for (const std::int32_t v : out.vertices) out.names.push_back(named(first, features_.name(v)));
         const auto neighbour = [&](std::int32_t name) {
@@ -130,20 +130,20 @@ class FeatureCopy {
                 const auto [one, another, more] = features_.neighbours(v);
                 out.joined.push_back({neighbour(one), neighbour(another), more});
             }
-            if (!question_.radii.empty()) out.radii.push_back(question_.radii[static_cast<std::size_t>(v)]);
-            if (!question_.rest) continue;
-            const Vec3d p = (*question_.rest)(v);
+            if (!query_.radii.empty()) out.radii.push_back(query_.radii[static_cast<std::size_t>(v)]);
+            if (!query_.rest) continue;
+            const Vec3d p = (*query_.rest)(v);
             for (int axis = 0; axis < 3; ++axis) out.rest.push_back(p[axis]);
         }
     }
 
     void copy_rings(PartFeatures& out) const {
-        const FirstByName first = first_by_name(out);
-        out.rings = question_.rings->rings();
+        const LocalRepresentatives first = first_by_name(out);
+        out.rings = query_.rings->rings();
         out.first_ring.push_back(0);
         for (const std::int32_t v : out.vertices) {
             const auto begin = static_cast<std::ptrdiff_t>(out.ring.size());
-            for (const std::int32_t name : question_.rings->about(features_.name(v)))
+            for (const std::int32_t name : query_.rings->about(features_.name(v)))
                 if (const std::int32_t at = named(first, name); at >= 0) out.ring.push_back(at);
             std::sort(out.ring.begin() + begin, out.ring.end());
             out.first_ring.push_back(static_cast<std::int64_t>(out.ring.size()));
@@ -152,9 +152,9 @@ class FeatureCopy {
 
     // Pairs of a representative vertex in the scene and the first vertex of the part that it represents, ascending.
     // Within the part, that first vertex is the representative.
-    using FirstByName = std::vector<std::pair<std::int32_t, std::int32_t>>;
-    FirstByName first_by_name(const PartFeatures& out) const {
-        FirstByName first;
+    using LocalRepresentatives = std::vector<std::pair<std::int32_t, std::int32_t>>;
+    LocalRepresentatives first_by_name(const PartFeatures& out) const {
+        LocalRepresentatives first;
         first.reserve(out.vertices.size());
         for (const std::int32_t v : out.vertices)
             first.push_back({features_.name(v), static_cast<std::int32_t>(first.size())});
@@ -163,7 +163,7 @@ class FeatureCopy {
         first.erase(std::unique(first.begin(), first.end(), same), first.end());
         return first;
     }
-    static std::int32_t named(const FirstByName& first, std::int32_t name) {
+    static std::int32_t named(const LocalRepresentatives& first, std::int32_t name) {
         const auto at = std::lower_bound(first.begin(), first.end(), std::pair(name, std::int32_t{0}));
         return at != first.end() && at->first == name ? at->second : -1;
     }
@@ -172,7 +172,7 @@ class FeatureCopy {
 
     const PreparedScene& scene_;
     const SceneFeatures& features_;
-    const FeaturePartDemand& question_;
+    const FeaturePartDemand& query_;
 };
 
 void check_that(bool holds, const char* message, Element element = Element::option, std::size_t index = 0) {
@@ -218,7 +218,7 @@ std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeat
                                      const FeaturePartDemand& query, int count, ParallelFor& parallel) {
     const FeatureBalls balls(query, Normaliser(scene.low, scene.high));
     const auto ball = [&](std::int64_t t) { return balls(scene, t); };
-    return make_parts(scene, count, parallel, ball, FeatureCopy(scene, features, query));
+    return make_parts(scene, count, parallel, ball, FeatureCopier(scene, features, query));
 }
 
 void check_feature_part(const Part& part) {

@@ -18,7 +18,7 @@ namespace crumple {
 
 inline constexpr std::size_t max_levels = 4;
 
-struct Level {
+struct ClusterLevel {
     const std::uint64_t* masks = nullptr;  ///< 1 per triangle of the scene: bit k is set if it belongs to cluster k
     int cluster = 0;                       ///< cluster of this level that is this scene, or contains it
 };
@@ -32,20 +32,20 @@ class Levels {
         if (!part) return;
         for (const PartLevel& level : part->levels) level_[count_++] = {level.masks.data(), level.cluster};
     }
-    void add(const Level& level) { level_[count_++] = level; }
-    const Level* begin() const { return level_.data(); }
-    const Level* end() const { return level_.data() + count_; }
+    void add(const ClusterLevel& level) { level_[count_++] = level; }
+    const ClusterLevel* begin() const { return level_.data(); }
+    const ClusterLevel* end() const { return level_.data() + count_; }
 
     /// True if this scene owns the pair of triangles a and b: on all levels, its cluster is the lowest that both belong
     /// to.
     bool own(std::int64_t a, std::int64_t b) const {
-        for (const Level& level : *this)
+        for (const ClusterLevel& level : *this)
             if (std::countr_zero(level.masks[a] & level.masks[b]) != level.cluster) return false;
         return true;
     }
 
    private:
-    std::array<Level, max_levels> level_;
+    std::array<ClusterLevel, max_levels> level_;
     std::size_t count_ = 0;
 };
 

@@ -81,7 +81,7 @@ std::vector<Node> split(const Node& node, std::span<const Vec3f> points, const C
     std::vector<std::int64_t> counts;
     counts.reserve(children.size());
     for (const Node& child : children) counts.push_back(static_cast<std::int64_t>(child.points.size()));
-    const std::vector<int> shares = distribute_centres(node.parts, most, counts);
+    const std::vector<int> shares = distribute_parts(node.parts, most, counts);
     for (std::size_t k = 0; k < children.size(); ++k) children[k].parts = shares[k];
     return children;
 }
@@ -94,7 +94,7 @@ Vec3f PartSample::centroid(const Triangle& t, const Normaliser& normalise) {
 }
 
 // Assigns the parts one by one, each to the cluster with the fewest parts per point. Compares integers only.
-std::vector<int> distribute_centres(int parts, int most, std::span<const std::int64_t> points) {
+std::vector<int> distribute_parts(int parts, int most, std::span<const std::int64_t> points) {
     std::vector<int> shares(points.size(), 1);
     for (int left = parts - static_cast<int>(points.size()); left > 0; --left) {
         std::size_t best = points.size();
@@ -113,7 +113,7 @@ PartCentres::PartCentres(int parts, std::span<const Vec3f> points, const Normali
     nodes[0].parts = parts;
     for (std::uint32_t i = 0; i < points.size(); ++i) nodes[0].points.push_back(i);
     for (int depth = depth_for(parts); depth > 0; --depth) {
-        Level level;
+        ClusterLevel level;
         for (const Node& node : nodes) level.first.push_back(level.first.back() + width_for(node.parts, depth));
         const auto all = static_cast<std::size_t>(level.first.back());
         level.centres.resize(nodes.size());
@@ -146,7 +146,7 @@ PartCentres::PartCentres(std::span<const std::byte> bytes, const Normaliser& nor
         std::vector<std::int64_t> nodes;
         read(nodes, 1);
         const auto parents = static_cast<std::size_t>(nodes[0]);
-        Level level;
+        ClusterLevel level;
         read(level.first, parents + 1);
         read(level.centres, parents);
         read(level.apart, static_cast<std::size_t>(level.first.back()) * max_clusters);
@@ -160,7 +160,7 @@ std::vector<std::byte> PartCentres::bytes() const {
         const auto some = std::as_bytes(std::span(values));
         bytes.insert(bytes.end(), some.begin(), some.end());
     };
-    for (const Level& level : levels_) {
+    for (const ClusterLevel& level : levels_) {
         write(std::array{static_cast<std::int64_t>(level.centres.size())});
         write(level.first);
         write(level.centres);
@@ -172,7 +172,7 @@ std::vector<std::byte> PartCentres::bytes() const {
 PartTree PartCentres::tree() const {
     PartTree tree;
     tree.normalise = normalise_;
-    for (const Level& level : levels_)
+    for (const ClusterLevel& level : levels_)
         tree.level[tree.depth++] = {level.first.data(), level.centres.data(), level.apart.data()};
     return tree;
 }

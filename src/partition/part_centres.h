@@ -57,13 +57,13 @@ class PartCentres {
     std::vector<PartLevel> path(std::int32_t part) const;
 
    private:
-    struct Level {
+    struct ClusterLevel {
         std::vector<std::int32_t> first{0};
         std::vector<PartSiblings> centres;
         std::vector<double> apart;
     };
     Normaliser normalise_;
-    std::vector<Level> levels_;
+    std::vector<ClusterLevel> levels_;
 };
 
 /// Computes the centres of `parts` parts of a scene.
@@ -71,6 +71,6 @@ PartCentres place_parts(const PreparedScene& scene, int parts, ParallelFor& para
 
 /// Distributes `parts` parts over clusters in proportion to the numbers of their sample points, `points`: at least one
 /// and at most `most` to each cluster.
-std::vector<int> distribute_centres(int parts, int most, std::span<const std::int64_t> points);
+std::vector<int> distribute_parts(int parts, int most, std::span<const std::int64_t> points);
 
 }  // namespace crumple

@@ -61,14 +61,14 @@ struct PartSiblings {
 
 /// View of a tree of centres; PartCentres (part_centres.h) owns the arrays.
 struct PartTree {
-    struct Level {
+    struct ClusterLevel {
         const std::int32_t* first;    ///< nodes of this level that are children of node i: [first[i], first[i + 1])
         const PartSiblings* centres;  ///< 1 per node of the level above: centres of its children
         const double* apart;          ///< max_clusters per child: its distance from each of its siblings
     };
     Normaliser normalise;
     int depth = 0;
-    Level level[max_levels];
+    ClusterLevel level[max_levels];
 
     /// Returns a mask: bit k is set if the ball may contain a point whose nearest centre, of those of all children of
     /// `node`, is that of the k-th child. `l`: the children's level. Lowers `slack`, if not null, to at most the

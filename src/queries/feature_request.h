@@ -50,7 +50,7 @@ struct FeatureRequest {
     bool strict = false;            ///< ProximityQuery::strict
     bool low_memory = false;        ///< uses as little memory as possible, the same for any number of threads
     const SceneFeatures& features;
-    const GroupFilter& rule;
+    const SceneFilter& rule;
     // Unused for candidates:
     std::span<const double> radii = {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` applies
     const VertexRings* rings = nullptr;  ///< further adjacent pairs (ProximityQuery::rings); null: none

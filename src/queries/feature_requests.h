@@ -42,7 +42,7 @@ inline RequestedKinds listed_kinds(const CandidateQuery& query) {
 }
 
 inline FeatureRequest request_of(const ImpactQuery& query, bool low_memory, const SceneFeatures& features,
-                                 const GroupFilter& rule) {
+                                 const SceneFilter& rule) {
     return {.criterion = Criterion::impact,
             .extent = extent(query),
             .kinds = listed_kinds(features),
@@ -54,7 +54,7 @@ inline FeatureRequest request_of(const ImpactQuery& query, bool low_memory, cons
             .rule = rule};
 }
 inline FeatureRequest request_of(const ProximityQuery& query, bool low_memory, const SceneFeatures& features,
-                                 const GroupFilter& rule) {
+                                 const SceneFilter& rule) {
     return {.criterion = Criterion::proximity,
             .extent = extent(query),
             .kinds = listed_kinds(features),
@@ -65,7 +65,7 @@ inline FeatureRequest request_of(const ProximityQuery& query, bool low_memory, c
             .rule = rule};
 }
 inline FeatureRequest request_of(const CandidateQuery& query, bool low_memory, const SceneFeatures& features,
-                                 const GroupFilter& rule) {
+                                 const SceneFilter& rule) {
     return {.criterion = Criterion::candidate,
             .kinds = listed_kinds(query),
             .distance = query.inflation,

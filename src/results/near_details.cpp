@@ -17,7 +17,8 @@ void for_each_chunk(std::size_t n, ParallelFor& workers, Task task) {
                          [&](std::size_t c) { task(c * pairs_of_task, std::min(n, (c + 1) * pairs_of_task)); });
 }
 
-Features at_rest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind, const Pair& pair) {
+Features features_at_start(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind,
+                           const Pair& pair) {
     const auto of = [&](const std::int32_t(&vertex)[4]) { return at_start(kind, points_of(scene, vertex)); };
     if (kind == FeatureKind::edge_edge) {
         const Edge e = features.edges()[pair.a], f = features.edges()[pair.b];
@@ -54,7 +55,8 @@ void append_closest(const PreparedScene& scene, const SceneFeatures& features, F
     const auto find = [&](std::size_t begin, std::size_t end) {
         DistanceCounts counts;
         for (std::size_t i = begin; i < end; ++i) {
-            const ClosestPoints closest = Distance(at_rest(scene, features, kind, pairs[i]), counts).closest();
+            const ClosestPoints closest =
+                Distance(features_at_start(scene, features, kind, pairs[i]), counts).closest();
             list.type[first + i] = closest.type;
             list.at[first + i] = closest.at;
         }
@@ -83,7 +85,7 @@ void add_least_distances(const PreparedScene& scene, const SceneFeatures& featur
                 const Pair pair = list.pairs[i];
                 const double square = list.squared_distance[i];
                 if (square > first_square[pair.a] && square > second_square[pair.b]) continue;
-                distance[i] = Distance(at_rest(scene, features, kind, pair), counts).rounded_down();
+                distance[i] = Distance(features_at_start(scene, features, kind, pair), counts).rounded_down();
             }
         });
         lower(list.pairs, distance, firsts, seconds);

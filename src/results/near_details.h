@@ -21,12 +21,12 @@ void append_closest(const PreparedScene& scene, const SceneFeatures& features, F
 void add_least_distances(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers,
                          Proximities& answer);
 
-/// Holds the least distances of a result while another search makes its lists: take() swaps them with those of the
+/// Holds the least distances of a result while another search makes its lists: swap_with() swaps them with those of the
 /// result.
 struct LeastDistances {
     Array<double> of_vertices, of_faces, of_edges;
 
-    void take(Proximities& result) {
+    void swap_with(Proximities& result) {
         of_vertices.swap_elements(result.vertex_distance);
         of_faces.swap_elements(result.face_distance);
         of_edges.swap_elements(result.edge_distance);

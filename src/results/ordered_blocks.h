@@ -57,11 +57,11 @@ class OrderedBlocks {
         if (rows == 0) return;
         std::unique_lock lock(mutex_);
         unit += first_;
-        wait(lock, [&] { return unit == turn_ ? !busy_ : kept_ + rows <= most_; });
+        wait(lock, [&] { return unit == current_unit_ ? !busy_ : queued_rows_ + rows <= most_; });
         if (failed_) return;
-        if (unit == turn_) return deliver(lock, *piece);
+        if (unit == current_unit_) return deliver(lock, *piece);
         units_[unit].pieces.push_back(std::move(piece));
-        kept_ += rows;
+        queued_rows_ += rows;
     }
 
     /// Ends a unit: it has no further pieces.
@@ -69,17 +69,18 @@ class OrderedBlocks {
         std::unique_lock lock(mutex_);
         unit += first_;
         units_[unit].finished = true;
-        wait(lock, [&] { return unit != turn_ || !busy_; });  // until no thread delivers queued pieces of this unit
-        if (unit != turn_) return;                            // another thread finishes this unit when it is current
-        while (!failed_ && units_.contains(turn_)) {
-            Unit& current_unit = units_[turn_];
+        wait(lock,
+             [&] { return unit != current_unit_ || !busy_; });  // until no thread delivers queued pieces of this unit
+        if (unit != current_unit_) return;                      // another thread finishes this unit when it is current
+        while (!failed_ && units_.contains(current_unit_)) {
+            Unit& current_unit = units_[current_unit_];
             for (auto& piece : std::exchange(current_unit.pieces, {})) {
-                kept_ -= work_.size(*piece);
+                queued_rows_ -= work_.size(*piece);
                 deliver(lock, *piece);
                 if (failed_) return;
             }
             if (!current_unit.finished) break;
-            units_.erase(turn_++);
+            units_.erase(current_unit_++);
         }
         changed_.notify_all();
     }
@@ -92,7 +93,7 @@ class OrderedBlocks {
     }
 
     /// Begins the next scene, whose units are numbered from 0 again. All units of the previous scene must be finished.
-    void next_scene() { first_ = turn_; }
+    void next_scene() { first_ = current_unit_; }
 
     /// Delivers the last block, unless it is empty.
     void finish() {
@@ -155,9 +156,9 @@ class OrderedBlocks {
     std::mutex mutex_;
     std::condition_variable changed_;  ///< signals a change of the turn or of the number of queued rows
     std::map<std::int64_t, Unit> units_;
-    std::int64_t first_ = 0, turn_ = 0;  ///< unit 0 of the current scene, and the current unit, over all scenes
-    std::size_t kept_ = 0;               ///< number of queued rows: those of units that are not current yet
-    bool busy_ = false;                  ///< a thread is delivering
+    std::int64_t first_ = 0, current_unit_ = 0;  ///< unit 0 of the current scene, and the current unit, over all scenes
+    std::size_t queued_rows_ = 0;                ///< number of queued rows: those of units that are not current yet
+    bool busy_ = false;                          ///< a thread is delivering
     bool failed_ = false;
     std::unique_ptr<Block> filling_;
 };

@@ -15,7 +15,7 @@ void clear(Intersections& result, const WorldOutline& outline, const Intersectio
     if (query.output == Output::contacts) result.contacts.offsets.push_back(0);
 }
 
-void WorldBlocks::pass_on(Intersections& result, bool last) const {
+void WorldBlocks::deliver_if_full(Intersections& result, bool last) const {
     const auto pairs = static_cast<std::int64_t>(result.pairs.size());
     if (pairs == 0 || (!last && pairs < most)) return;
     take(result);

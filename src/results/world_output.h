@@ -19,7 +19,7 @@ struct WorldBlocks {
     FunctionRef<void(const Intersections& block)> take;
 
     /// Delivers the pairs listed so far if they fill a block or are the last, then clears them.
-    void pass_on(Intersections& result, bool last = false) const;
+    void deliver_if_full(Intersections& result, bool last = false) const;
 };
 
 /// Empties the result and allocates its arrays by world.

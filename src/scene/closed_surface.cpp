@@ -7,7 +7,7 @@ namespace crumple {
 ClosedSurface::ClosedSurface(MemoryMeter* meter)
     : features_(meter),
       place_(meter),
-      vertex_at_(meter),
+      vertex_at_place_(meter),
       end_of_(meter),
       components_(meter),
       faces_(meter),
@@ -22,7 +22,7 @@ ClosedSurface::ClosedSurface(MemoryMeter* meter)
 void ClosedSurface::release() {
     features_.release();
     revision_ = 0;
-    for (auto* array : {&place_, &vertex_at_, &end_of_, &components_, &faces_, &first_face_, &sum_, &first_,
+    for (auto* array : {&place_, &vertex_at_place_, &end_of_, &components_, &faces_, &first_face_, &sum_, &first_,
                         &neighbour_, &parent_, &next_})
         array->release();
     down_.release();
@@ -84,7 +84,7 @@ void ClosedSurface::walk() {
     // Now the vertices adjacent to v are entries [first_[v], first_[v + 1]) of neighbour_. next_[v] is the entry that
     // the walk follows next.
     place_.assign(static_cast<std::size_t>(vertices), -1);
-    vertex_at_.clear();
+    vertex_at_place_.clear();
     end_of_.clear();
     components_.clear();
     next_.resize_discard(static_cast<std::size_t>(vertices));
@@ -92,7 +92,7 @@ void ClosedSurface::walk() {
     const auto meet = [&](std::int32_t v, std::int32_t from) {
         parent_[v] = from;
         place_[v] = places();
-        vertex_at_.push_back(v);
+        vertex_at_place_.push_back(v);
         end_of_.push_back(0);
     };
     for (std::int32_t root = 0; root < vertices; ++root) {

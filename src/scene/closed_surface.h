@@ -36,9 +36,9 @@ class ClosedSurface {
     bool closed() const { return closed_; }
 
     std::int32_t face_count() const { return static_cast<std::int32_t>(features_.faces()); }
-    std::int32_t places() const { return static_cast<std::int32_t>(vertex_at_.size()); }
+    std::int32_t places() const { return static_cast<std::int32_t>(vertex_at_place_.size()); }
     std::int32_t place(std::int32_t vertex) const { return place_[vertex]; }
-    std::int32_t vertex_at(std::int32_t place) const { return vertex_at_[place]; }
+    std::int32_t vertex_at_place(std::int32_t place) const { return vertex_at_place_[place]; }
     /// Returns the end of the interval [place, end) of a place and all places below it in the forest.
     std::int32_t end_of(std::int32_t place) const { return end_of_[place]; }
     /// First place of each component, and the end of the last one.
@@ -69,7 +69,7 @@ class ClosedSurface {
     SceneFeatures features_;
     std::uint64_t revision_ = 0;  ///< revision of the features from which the other members were made
     bool closed_ = false;
-    Array<std::int32_t> place_, vertex_at_, end_of_, components_;
+    Array<std::int32_t> place_, vertex_at_place_, end_of_, components_;
     Array<std::int32_t> faces_, first_face_;
     Array<std::uint8_t> down_;  ///< per face: bit k: edge k leads down; bit 3 + k: edge k leads up
     // Scratch:

@@ -25,7 +25,7 @@ inline constexpr std::uint8_t lone_point = 1 << 6, lone_edge = 1 << 7;
 
 /// Representatives (FeatureTable::name) of the vertices that share an edge with a vertex: up to two different ones, -1
 /// for none. `more`: there are others.
-struct NamedNeighbours {
+struct AdjacentVertices {
     std::int32_t first = -1, second = -1;
     bool more = false;
 };
@@ -34,9 +34,9 @@ struct FeatureTable {
     const TriangleEdges* edges_of = nullptr;
     const std::uint8_t* owned = nullptr;
     const std::int32_t* corners = nullptr;
-    const std::int32_t* names = nullptr;          ///< representative of each vertex; null: the vertex itself
-    const PointsOfTriangle* points_of = nullptr;  ///< null: a point's index is its vertex
-    const NamedNeighbours* neighbours = nullptr;  ///< per vertex; null: there are no lone edges
+    const std::int32_t* names = nullptr;           ///< representative of each vertex; null: the vertex itself
+    const PointsOfTriangle* points_of = nullptr;   ///< null: a point's index is its vertex
+    const AdjacentVertices* neighbours = nullptr;  ///< per vertex; null: there are no lone edges
     std::int64_t faces = 0;
 
     friend bool operator==(const FeatureTable&, const FeatureTable&) = default;
@@ -55,7 +55,7 @@ struct FeatureTable {
     /// `vertex` against `lone` unnecessary. `vertex` must not be an end of `lone`.
     CRUMPLE_HD bool has_edge_apart(std::int32_t vertex, const Edge& lone) const {
         if (!neighbours) return false;  // there is no lone edge
-        const NamedNeighbours& of = neighbours[vertex];
+        const AdjacentVertices& of = neighbours[vertex];
         const auto apart = [&](std::int32_t other) {
             return other >= 0 && other != name(lone.a) && other != name(lone.b);
         };

@@ -72,7 +72,7 @@ ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, st
     return check;
 }
 
-[[noreturn]] void name_infinite_vertex(const VertexView& view, const VertexReader& reader, const std::string& which) {
+[[noreturn]] void fail_infinite_vertex(const VertexView& view, const VertexReader& reader, const std::string& which) {
     std::int64_t i = 0;
     const auto finite = [](Vec3d p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); };
     while (i + 1 < view.rows && finite(reader(i))) ++i;
@@ -81,11 +81,11 @@ ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, st
 
 // Reads indices in the caller's memory; the array need not be aligned.
 template <class Index>
-struct IndexReader {
+struct HostIndexReader {
     const std::byte* data;
     std::int64_t row_stride, column_stride;
 
-    explicit IndexReader(const TriangleView& view)
+    explicit HostIndexReader(const TriangleView& view)
         : data(static_cast<const std::byte*>(view.data)),
           row_stride(view.row_stride),
           column_stride(view.column_stride) {}
@@ -111,7 +111,7 @@ bool check_corners(const TriangleView& view, std::int64_t vertex_count, std::int
         const auto* values = static_cast<const Index*>(view.data);
         for (std::int64_t i = 3 * begin; i < 3 * end; ++i) visit(values[i]);
     } else {
-        const IndexReader<Index> read(view);
+        const HostIndexReader<Index> read(view);
         for (std::int64_t t = begin; t < end; ++t)
             for (int corner = 0; corner < 3; ++corner) visit(read(t, corner));
     }
@@ -119,8 +119,8 @@ bool check_corners(const TriangleView& view, std::int64_t vertex_count, std::int
 }
 
 template <class Index>
-[[noreturn]] void name_wrong_index(const TriangleView& view, std::int64_t vertex_count, const std::string& which) {
-    const IndexReader<Index> read(view);
+[[noreturn]] void fail_wrong_index(const TriangleView& view, std::int64_t vertex_count, const std::string& which) {
+    const HostIndexReader<Index> read(view);
     const auto wrong = [&](std::int64_t t, int corner) {
         return static_cast<std::make_unsigned_t<Index>>(read(t, corner)) >=
                static_cast<std::make_unsigned_t<Index>>(vertex_count);
@@ -133,7 +133,7 @@ template <class Index>
 // Copies the indices of `view` to `out` as int32, plus `offset`.
 template <class Index>
 void copy_corners(const TriangleView& view, std::int32_t offset, std::int32_t* out) {
-    const IndexReader<Index> read(view);
+    const HostIndexReader<Index> read(view);
     for (std::int64_t t = 0; t < view.rows; ++t)
         for (int corner = 0; corner < 3; ++corner)
             out[3 * t + corner] = static_cast<std::int32_t>(read(t, corner)) + offset;
@@ -159,10 +159,10 @@ void check_content(const MeshView& mesh, const VertexReader& reader, const std::
         }
     });
     for (std::size_t c = 0; c < all; ++c) {
-        if (!checks[c].good && c < vertex_chunks) name_infinite_vertex(mesh.vertices, reader, which);
+        if (!checks[c].good && c < vertex_chunks) fail_infinite_vertex(mesh.vertices, reader, which);
         if (!checks[c].good)
             with_index_type(mesh.triangles.type, [&](auto index) {
-                name_wrong_index<decltype(index)>(mesh.triangles, mesh.vertices.rows, which);
+                fail_wrong_index<decltype(index)>(mesh.triangles, mesh.vertices.rows, which);
             });
         if (c >= vertex_chunks) continue;
         low = min(low, checks[c].low);
@@ -173,7 +173,7 @@ void check_content(const MeshView& mesh, const VertexReader& reader, const std::
 }  // namespace
 
 // Hash table with open addressing and linear probing, at most half full.
-void name_equal_positions(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names) {
+void find_representatives(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names) {
     const std::int64_t n = scene.vertex_count();
     const std::uint64_t slots = std::bit_ceil(static_cast<std::uint64_t>(2 * n + 1));
     const PositionHash hash;
@@ -232,7 +232,7 @@ PreparedScene prepare_scene(const MeshView& a, const MeshView* b, bool weld, Par
                                               buffers.corners.data() + (side ? 3 * scene.triangles[0] : 0));
             });
         if (weld) {
-            name_equal_positions(scene, buffers.table, buffers.representative);
+            find_representatives(scene, buffers.table, buffers.representative);
             for (std::int32_t& corner : buffers.corners) corner = buffers.representative[corner];
         }
         scene.corners = buffers.corners.data();

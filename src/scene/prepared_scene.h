@@ -119,7 +119,7 @@ void check_finite(const VertexView& vertices, const std::string& which, Parallel
 
 /// Sets names[v] to the lowest vertex that has the same position as v at the start and, if the scene moves, also at the
 /// end. -0 equals +0. `table` is scratch.
-void name_equal_positions(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names);
+void find_representatives(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names);
 
 /// Validates one mesh (b null) or two on the threads of `workers`, and joins them. Throws Error: not_finite,
 /// index_out_of_range, invalid_argument.

@@ -50,7 +50,7 @@ void SceneFeatures::find_owners_of_edges(ParallelFor& workers) {
 void SceneFeatures::add_proxy(const std::array<std::int32_t, 3>& corners, std::uint8_t owned, std::int32_t face) {
     for (const std::int32_t v : corners) corners_.push_back(v);
     owned_.push_back(owned);
-    face_of_carrier_.push_back(face);
+    face_of_proxy_.push_back(face);
 }
 
 void SceneFeatures::add_proxies_of_edges() {

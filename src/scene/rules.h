@@ -15,9 +15,9 @@
 namespace crumple {
 
 /// Pair filter by the groups of a scene's triangles, prepared for look-up.
-class GroupFilter {
+class SceneFilter {
    public:
-    explicit GroupFilter(MemoryMeter* meter = nullptr) : excluded_(meter) {}
+    explicit SceneFilter(MemoryMeter* meter = nullptr) : excluded_(meter) {}
 
     /// Frees its memory.
     void release() { excluded_.release(); }

@@ -45,7 +45,7 @@ SceneFeatures::SceneFeatures(MemoryMeter* meter)
       corners_(meter),
       points_(meter),
       points_of_(meter),
-      face_of_carrier_(meter),
+      face_of_proxy_(meter),
       neighbours_(meter),
       side_(meter),
       first_(meter),
@@ -62,7 +62,7 @@ void SceneFeatures::release() {
     corners_.release();
     points_.release();
     points_of_.release();
-    face_of_carrier_.release();
+    face_of_proxy_.release();
     neighbours_.release();
     side_.release();
     first_.release();
@@ -91,7 +91,7 @@ void SceneFeatures::prepare(const PreparedScene& scene, bool weld, ParallelFor& 
         if (lists_points_) std::copy(listed.points->begin(), listed.points->end(), points_.begin());
         edges_of_.resize_discard(static_cast<std::size_t>(faces_));
         owned_.assign(static_cast<std::size_t>(faces_), 0);
-        face_of_carrier_.clear();
+        face_of_proxy_.clear();
         points_of_.clear();
         lone_edges_ = false;
         sort_sides(scene, workers);
@@ -107,7 +107,7 @@ void SceneFeatures::prepare(const PreparedScene& scene, bool weld, ParallelFor& 
     }
     if (weld || is_welded() || has_lone_edges()) ++revision_;  // representatives depend on positions, too
     names_.clear();
-    if (weld) name_equal_positions(scene, buffers_.table, names_);
+    if (weld) find_representatives(scene, buffers_.table, names_);
     find_adjacent();
 }
 
@@ -117,7 +117,7 @@ bool SceneFeatures::known(const PreparedScene& scene, const CodimensionalFeature
            same(edges_, lists_edges_, listed.edges) && same(points_, lists_points_, listed.points);
 }
 
-void SceneFeatures::adopt(const Part& part) {
+void SceneFeatures::copy_from(const Part& part) {
     const PartFeatures& given = *part.features;
     const auto copy = [](const auto& from, auto& to) {
         to.resize_discard(from.size());
@@ -134,7 +134,7 @@ void SceneFeatures::adopt(const Part& part) {
     copy(part.mesh.corners, corners_);
     copy(given.point_vertices, points_);
     copy(given.points_of, points_of_);
-    face_of_carrier_.assign(given.of_no_face.size(), -1);
+    face_of_proxy_.assign(given.of_no_face.size(), -1);
     neighbours_.resize_discard(given.joined.size());
     for (std::size_t v = 0; v < given.joined.size(); ++v)
         neighbours_[v] = {given.joined[v][0], given.joined[v][1], given.joined[v][2] != 0};

@@ -60,7 +60,7 @@ class SceneFeatures {
     }
 
     /// Copies the features of a validated part (crumple/part.h), instead of prepare().
-    void adopt(const Part& part);
+    void copy_from(const Part& part);
 
     /// Edges are identified by their index in edges(). edges_of() and owned() accept the indices of triangles and of
     /// proxy triangles.
@@ -81,9 +81,9 @@ class SceneFeatures {
 
     /// Number of triangles of the scene; proxy triangles are numbered from there on.
     std::int64_t faces() const { return faces_; }
-    std::int64_t proxies() const { return static_cast<std::int64_t>(face_of_carrier_.size()); }
+    std::int64_t proxies() const { return static_cast<std::int64_t>(face_of_proxy_.size()); }
     /// Returns the lowest triangle that names the feature of proxy triangle i; -1 if none does.
-    std::int32_t face_of_proxy(std::int64_t i) const { return face_of_carrier_[i]; }
+    std::int32_t face_of_proxy(std::int64_t i) const { return face_of_proxy_[i]; }
     /// True if features need no special treatment: triangles own all of them, without proxy triangles, and points have
     /// the indices of their vertices.
     bool plain() const { return proxies() == 0 && points_of_.empty(); }
@@ -122,7 +122,7 @@ class SceneFeatures {
     /// Frees all memory.
     void release();
 
-    using Neighbours = NamedNeighbours;
+    using Neighbours = AdjacentVertices;
     bool has_lone_edges() const { return !neighbours_.empty(); }
     const Neighbours& neighbours(std::int32_t vertex) const { return neighbours_[vertex]; }
 
@@ -167,7 +167,7 @@ class SceneFeatures {
     bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false, is_copied_ = false;
     Array<std::int32_t> points_;         ///< vertices of the codimensional points
     Array<PointsOfTriangle> points_of_;  ///< per triangle; empty: a point's index is its vertex
-    Array<std::int32_t> face_of_carrier_;
+    Array<std::int32_t> face_of_proxy_;
     Array<Neighbours> neighbours_;  ///< per vertex, if there are lone edges
     // Scratch:
     Array<Side> side_;

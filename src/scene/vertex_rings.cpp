@@ -32,7 +32,7 @@ void VertexRings::release() {
     vertices_ = -1;
 }
 
-void VertexRings::adopt(const PartFeatures& part) {
+void VertexRings::copy_from(const PartFeatures& part) {
     revision_ = next_revision();
     vertices_ = -1;
     rings_ = part.rings;

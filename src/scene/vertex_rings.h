@@ -28,7 +28,7 @@ class VertexRings {
                  Cancellation& cancellation);
 
     /// Copies the rings of a validated part (crumple/part.h), instead of prepare().
-    void adopt(const PartFeatures& part);
+    void copy_from(const PartFeatures& part);
 
     std::int32_t rings() const { return rings_; }
     /// Returns the vertices in the rings of a representative vertex, without the vertex itself.

@@ -49,9 +49,9 @@ bool FeatureSearch::supports_on_device(const Shape& shape, const CandidateQuery&
 }
 
 // Downloads the triangles of the mesh, and makes its features from them.
-void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
+void FeatureSearch::download_features(BackendBase& backend, const DeviceShape& mesh) {
     HostShape host;
-    backend.device_feature_search().copy_to_host(mesh, Copied::topology, host);
+    backend.device_feature_calls().copy_to_host(mesh, Copied::topology, host);
     const Shape& shape = host.shape;
     const PreparedScene scene =
         prepare_scene(MeshView(shape.vertices, shape.triangles), nullptr, false, backend, buffers_);
@@ -63,11 +63,11 @@ void FeatureSearch::know(BackendBase& backend, const DeviceShape& mesh) {
 // again.
 template <class Query, class Ask>
 auto FeatureSearch::run_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query, Ask ask) {
-    rule_.prepare(query.filter);
-    if (!features_.has_counts_of(mesh.shape)) know(backend, mesh);
-    for (;; know(backend, mesh)) {
+    scene_filter_.prepare(query.filter);
+    if (!features_.has_counts_of(mesh.shape)) download_features(backend, mesh);
+    for (;; download_features(backend, mesh)) {
         cancellation_.check();
-        FeatureRequest request = request_of(query, low_memory_, features_, rule_);
+        FeatureRequest request = request_of(query, low_memory_, features_, scene_filter_);
         if constexpr (is_near<Query>) near_input_.tell(mesh.shape.vertices.rows, backend, cancellation_, request);
         if (auto answer = ask(request)) return answer;
     }
@@ -75,8 +75,8 @@ auto FeatureSearch::run_on_device(BackendBase& backend, const DeviceShape& mesh,
 
 template <class Query>
 void FeatureSearch::find_rows_on_device(BackendBase& backend, const Query& query) {
-    run_on_device(backend, *there_, query, [&](const FeatureRequest& request) {
-        return backend.device_feature_search().find(*there_, request, found_);
+    run_on_device(backend, *device_mesh_, query, [&](const FeatureRequest& request) {
+        return backend.device_feature_calls().find(*device_mesh_, request, found_);
     });
 }
 
@@ -89,7 +89,7 @@ void FeatureSearch::find_on_device(BackendBase& backend, const DeviceShape& mesh
     struct There {
         const DeviceShape*& there;
         ~There() { there = nullptr; }
-    } const there{there_ = &mesh};
+    } const there{device_mesh_ = &mesh};
     search(backend, {{&mesh.shape, 1}, {&body, 1}, {}, {}}, query, result);
 }
 
@@ -107,7 +107,7 @@ void FeatureSearch::read_on_device(BackendBase& backend, const DeviceShape& mesh
 
 template <class Query>
 LaunchNumber FeatureSearch::launch(BackendBase& backend, const DeviceShape& mesh, const Query& query) {
-    DeviceFeatureCalls& there = backend.device_feature_search();
+    DeviceFeatureCalls& there = backend.device_feature_calls();
     require_device_support(mesh.shape, query);
     read_on_device(backend, mesh, query);
     if (there.is_captured(mesh) && !features_.has_counts_of(mesh.shape)) fail_unprepared_capture(false);
@@ -118,7 +118,7 @@ LaunchNumber FeatureSearch::launch(BackendBase& backend, const DeviceShape& mesh
 }
 
 AnyDeviceResult FeatureSearch::wait(BackendBase& backend, LaunchNumber launch) {
-    DeviceFeatureCalls& there = backend.device_feature_search();
+    DeviceFeatureCalls& there = backend.device_feature_calls();
     const Launched& launched = launched_[launch % most_in_flight];
     std::optional<AnyDeviceResult> answer = there.wait(launch);
     if (!answer)

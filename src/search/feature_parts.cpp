@@ -43,7 +43,7 @@ std::vector<Part> FeatureSearch::partition(BackendBase& backend, const World& wo
     const Shape& shape = outline_.shape(0);
     if constexpr (is_near<Query>) near_input_.begin(outline_, query, bodies_, true, backend, buffers_);
     const PreparedScene scene = prepare_in_place(backend, !is_near<Query>, query.weld);
-    FeatureRequest request = request_of(query, false, features_, rule_);
+    FeatureRequest request = request_of(query, false, features_, scene_filter_);
     if constexpr (is_near<Query>) {
         near_input_.place(shape);
         near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
@@ -59,14 +59,14 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
     const PartFeatures& given = *part.features;
     PreparedScene scene = prepare_scene(part.mesh.view(), nullptr, false, backend, buffers_);
     if (given.moving) add_motion(end_of(given), backend, buffers_, scene);
-    features_.adopt(part);
+    features_.copy_from(part);
     // Filters by classes (BodyClass) instead of groups: if faces have groups, a proxy triangle whose feature no face
     // names is in no group, and only classes can express this.
-    rules_.prepare(rules);
-    rules_.classes.clear();
+    body_filter_.prepare(rules);
+    body_filter_.classes.clear();
     scene.groups = nullptr;
-    if (rules_.any_group() && rules_.within(0, true)) {
-        rule_.prepare({});
+    if (body_filter_.any_group() && body_filter_.within(0, true)) {
+        scene_filter_.prepare({});
         return scene;
     }
     const std::vector<std::int32_t>& groups = part.mesh.groups;
@@ -74,8 +74,8 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
     std::sort(distinct.begin(), distinct.end());
     distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
     if (distinct.empty()) distinct.assign(1, 0);
-    for (const std::int32_t group : distinct) rules_.classes.push_back({0, group, true, false, true});
-    rules_.classes.push_back({0, 0, true, false, groups.empty()});
+    for (const std::int32_t group : distinct) body_filter_.classes.push_back({0, group, true, false, true});
+    body_filter_.classes.push_back({0, 0, true, false, groups.empty()});
     const auto triangles = static_cast<std::size_t>(part.mesh.size());
     class_of_.resize_discard(triangles);
     for (std::size_t t = 0; t < triangles; ++t) {
@@ -86,8 +86,8 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
         class_of_[t] = static_cast<std::int32_t>(at - distinct.begin());
     }
     scene.groups = class_of_.data();
-    scene.bodies = &rules_;
-    rule_.prepare({}, &rules_);
+    scene.bodies = &body_filter_;
+    scene_filter_.prepare({}, &body_filter_);
     return scene;
 }
 
@@ -102,7 +102,7 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
     check_part_query(given, query);
     RestShape rest;
     VertexRings rings(&meter_);
-    FeatureRequest request = request_of(query, low_memory, features_, rule_);
+    FeatureRequest request = request_of(query, low_memory, features_, scene_filter_);
     request.part = &part;
     if constexpr (is_near<Query>) {
         check_radii("", given.radii);
@@ -112,7 +112,7 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
         rest = {reader_of(given.rest), nullptr, query.rest_radius};
         if (!given.rest.empty()) request.rest = &rest;
         if (given.rings > 0) {
-            rings.adopt(given);
+            rings.copy_from(given);
             request.rings = &rings;
         }
     }
@@ -126,7 +126,7 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
             backend.find(scene, all, found_);
             swap_found<Query>(result);
             add_least_distances(scene, features_, backend, result);
-            least.take(result);
+            least.swap_with(result);
         }
     }
     swap_found<Query>(result);
@@ -157,7 +157,7 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
     }
     if constexpr (is_near<Query>) {
         add_details(scene, features_, details, backend, result);
-        if (query.least && !details.least) least.take(result);
+        if (query.least && !details.least) least.swap_with(result);
     }
     for (std::size_t k = 0; k < feature_kinds; ++k)
         for (Pair& pair : result.lists[k].pairs) name_globally(part, static_cast<FeatureKind>(k), pair);

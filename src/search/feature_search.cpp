@@ -38,8 +38,8 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, Sha
     : meter_(meter),
       cancellation_(cancellation),
       outline_(&meter),
-      rules_(&meter),
-      rule_(&meter),
+      body_filter_(&meter),
+      scene_filter_(&meter),
       clear_(meter, trees),
       scene_(&meter),
       lists_(&meter),
@@ -54,8 +54,8 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, Sha
 
 void FeatureSearch::release() {
     outline_ = WorldOutline(&meter_);
-    rules_ = BodyFilter(&meter_);
-    rule_ = GroupFilter(&meter_);
+    body_filter_ = BodyFilter(&meter_);
+    scene_filter_ = SceneFilter(&meter_);
     clear_.release();
     scene_ = WorldScene(&meter_);
     lists_ = JoinedLists(&meter_);
@@ -79,9 +79,9 @@ void FeatureSearch::search_with_least(BackendBase& backend, const World& world, 
     near.rings = 0, near.rest_radius = 0, near.closest = near.index = listed.least = false;
     search(backend, World{{&all, 1}, world.bodies, world.poses}, near, result);
     LeastDistances least;
-    least.take(result);
+    least.swap_with(result);
     search(backend, world, listed, result);
-    least.take(result);
+    least.swap_with(result);
 }
 
 template <class Query>
@@ -108,9 +108,9 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
         result.first_edge.push_back(0);
         result.first_point.push_back(0);
     }
-    if constexpr (is_near<Query>) near_input_.begin(outline_, query, bodies_, !there_, backend, buffers_);
+    if constexpr (is_near<Query>) near_input_.begin(outline_, query, bodies_, !device_mesh_, backend, buffers_);
 
-    if (there_ || in_place(query.filter)) {
+    if (device_mesh_ || in_place(query.filter)) {
         search_in_place(backend, query, result);
     } else {
         read_clear_worlds(backend, query);
@@ -134,9 +134,9 @@ void FeatureSearch::read_clear_worlds(const BackendBase& backend, const Query& q
     clear_.forget();
     if (extent(query) != Extent::any || meter_.limit > 0 || backend.by_brute_force()) return;
     if constexpr (is_motion<Query>) {
-        if (query.min_distance_share == 0) clear_.read(outline_, rules_, true, query.min_distance);
+        if (query.min_distance_share == 0) clear_.read(outline_, body_filter_, true, query.min_distance);
     } else if constexpr (is_near<Query>) {
-        clear_.read(outline_, rules_, false, query.radius);
+        clear_.read(outline_, body_filter_, false, query.radius);
     }
 }
 
@@ -155,7 +155,7 @@ void FeatureSearch::index_lists(const Query& query, typename Query::Result& resu
 
 void FeatureSearch::read(const World& world, const PairFilter& rules) {
     outline_.read(world, rules);
-    rules_.prepare(rules);
+    body_filter_.prepare(rules);
 }
 
 bool FeatureSearch::in_place(const PairFilter& rules) const {
@@ -168,7 +168,7 @@ PreparedScene FeatureSearch::prepare_in_place(BackendBase& backend, bool step, b
     const MeshView mesh(shape.vertices, shape.triangles);
     PreparedScene scene = prepare_scene(mesh, nullptr, false, backend, buffers_);
     if (step && shape.end.data) add_motion(shape.end, backend, buffers_, scene);
-    rule_.prepare({});
+    scene_filter_.prepare({});
     features_.prepare(scene, weld, backend, checked_lists(shape, bodies_ ? WorldOutline::name(0) : ""));
     return features_.with_proxies(scene);
 }
@@ -185,7 +185,7 @@ std::optional<PreparedScene> FeatureSearch::prepare_pass(BackendBase& backend, s
         return s.vertices.type == ScalarType::float32 && (!s.end.data || s.end.type == ScalarType::float32);
     };
     const auto& shapes = outline_.world().shapes;
-    scene_.begin(std::all_of(shapes.begin(), shapes.end(), float32), rules_, step && outline_.moving());
+    scene_.begin(std::all_of(shapes.begin(), shapes.end(), float32), body_filter_, step && outline_.moving());
     const std::int32_t begin = outline_.first_body(pass), end = begin + own_bodies(pass);
     if (begin == end) return {};
     if (!marked.empty()) {
@@ -199,7 +199,7 @@ std::optional<PreparedScene> FeatureSearch::prepare_pass(BackendBase& backend, s
     const CodimensionalFeatures listed = lists_.join(outline_, scene_, triangles, backend, features_);
     features_.prepare(triangles, weld, backend, listed);
     const PreparedScene scene = scene_.with_proxies(outline_, features_, triangles);
-    rule_.prepare({}, &rules_);
+    scene_filter_.prepare({}, &body_filter_);
     place_features();
     return scene;
 }
@@ -227,10 +227,10 @@ bool FeatureSearch::parts_suffice(const Query& query) const {
 template <class Query>
 void FeatureSearch::search_in_place(BackendBase& backend, const Query& query, typename Query::Result& result) {
     PreparedScene scene;
-    if (!there_) scene = prepare_in_place(backend, !is_near<Query>, query.weld);
+    if (!device_mesh_) scene = prepare_in_place(backend, !is_near<Query>, query.weld);
     if constexpr (is_near<Query>) near_input_.place(outline_.shape(0));
     swap_found<Query>(result);
-    there_ ? find_rows_on_device(backend, query) : find_rows(backend, scene, query);
+    device_mesh_ ? find_rows_on_device(backend, query) : find_rows(backend, scene, query);
     swap_found<Query>(result);
     add_pass(found_.statistics, result.statistics);
     const std::int32_t world = outline_.body(0).world;
@@ -287,7 +287,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
 
 template <class Query>
 void FeatureSearch::find_rows(BackendBase& backend, const PreparedScene& scene, const Query& query) {
-    FeatureRequest request = request_of(query, low_memory_, features_, rule_);
+    FeatureRequest request = request_of(query, low_memory_, features_, scene_filter_);
     if constexpr (is_near<Query>) near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
     backend.find(scene, request, found_);
     if constexpr (is_motion<Query>)
@@ -296,7 +296,7 @@ void FeatureSearch::find_rows(BackendBase& backend, const PreparedScene& scene, 
 
 void FeatureSearch::find_triangle_pairs(BackendBase& backend, const PreparedScene& scene, const ImpactQuery& query) {
     if (extent(query) == Extent::all) {
-        triangle_impacts_.find(backend, scene, features_, rule_, found_.rows, found_.statistics);
+        triangle_impacts_.find(backend, scene, features_, scene_filter_, found_.rows, found_.statistics);
         found_.any = found_.any || !triangle_impacts_.rows().pairs.empty();
     } else if (!found_.any) {
         found_.any = triangle_impacts_.any_at_start(backend, scene, features_);

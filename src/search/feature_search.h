@@ -65,7 +65,7 @@ class FeatureSearch {
     void find(BackendBase& backend, const Part& part, const Query& query, bool low_memory,
               typename Query::Result& result);
 
-    // Queries about a mesh in device memory (device_feature_search.cpp):
+    // Queries about a mesh in device memory (device_feature_calls.cpp):
 
     /// True if the device can run the whole query. Else Detector::find downloads the mesh and runs it on the host, and
     /// launch() throws Error.
@@ -85,7 +85,7 @@ class FeatureSearch {
    private:
     template <class Query>
     void read_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query);
-    void know(BackendBase& backend, const DeviceShape& mesh);
+    void download_features(BackendBase& backend, const DeviceShape& mesh);
     template <class Query, class Ask>
     auto run_on_device(BackendBase& backend, const DeviceShape& mesh, const Query& query, Ask ask);
     template <class Query>
@@ -171,10 +171,10 @@ class FeatureSearch {
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     bool bodies_ = false, low_memory_ = false;  // parameters of the current call
-    const DeviceShape* there_ = nullptr;        // mesh of the current call if it is in device memory
+    const DeviceShape* device_mesh_ = nullptr;  // mesh of the current call if it is in device memory
     WorldOutline outline_;
-    BodyFilter rules_;
-    GroupFilter rule_;
+    BodyFilter body_filter_;
+    SceneFilter scene_filter_;
     ClearWorlds clear_;
     WorldScene scene_;
     JoinedLists lists_;
@@ -214,7 +214,7 @@ void FeatureSearch::append_features(std::int32_t pass, Result& result) {
 
 template <class Result>
 void FeatureSearch::append_codimensional_points(std::int32_t body, Result& result) {
-    if (there_)
+    if (device_mesh_)
         for (const std::int32_t v : features_.codimensional_points()) result.points.push_back(v);
     else if (const auto& points = outline_.shape(body).points)
         for (const std::int32_t v : *points) result.points.push_back(v);

@@ -156,7 +156,7 @@ void FeatureSearch::list_features(BackendBase& backend, bool step, bool weld, Re
 template <class Query, class Blocks>
 void FeatureSearch::stream_scene(BackendBase& backend, const PreparedScene& scene, const Query& query, bool in_place,
                                  Blocks& blocks, Statistics& statistics) {
-    FeatureRequest request = request_of(query, low_memory_, features_, rule_);
+    FeatureRequest request = request_of(query, low_memory_, features_, scene_filter_);
     if constexpr (is_near<Query>) near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
     const auto write = [&](const RowLists& found, Lists<typename Query::Result>& lists) {
         for (std::size_t k = 0; k < lists.size(); ++k) {

@@ -54,7 +54,7 @@ Bounds PosedGroup::box(int k) const {
     return {min(p, min(q, r)), max(p, max(q, r))};
 }
 
-std::span<const PosedGroup::Boxed> PosedGroup::boxes_within(const Bounds& other, Buffers& room) const {
+std::span<const PosedGroup::Boxed> PosedGroup::boxes_overlapping(const Bounds& other, Buffers& room) const {
     // For each vertex six bits, one for each side of `other`: 1 if the vertex lies beyond that side.
     std::int64_t beyond[3 * ShapeTree::most_triangles];
     for (std::int32_t v = 0; v < 4 * group->blocks; v += 2) {
@@ -88,11 +88,13 @@ bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& query, co
         PosedGroup::Buffers buffer_a, buffer_b;
         // Starts with the larger group, because a smaller fraction of its triangles is near the other group.
         const bool a_first = largest(of_a.all.high - of_a.all.low) > largest(of_b.all.high - of_b.all.low);
-        const auto near_one = a_first ? of_a.boxes_within(of_b.all, buffer_a) : of_b.boxes_within(of_a.all, buffer_b);
+        const auto near_one =
+            a_first ? of_a.boxes_overlapping(of_b.all, buffer_a) : of_b.boxes_overlapping(of_a.all, buffer_b);
         if (near_one.empty()) return true;
         Bounds reach = no_bounds;
         for (const auto& [box, i] : near_one) reach.widen(box);
-        const auto near_other = a_first ? of_b.boxes_within(reach, buffer_b) : of_a.boxes_within(reach, buffer_a);
+        const auto near_other =
+            a_first ? of_b.boxes_overlapping(reach, buffer_b) : of_a.boxes_overlapping(reach, buffer_a);
         const auto &near_a = a_first ? near_one : near_other, &near_b = a_first ? near_other : near_one;
         for (const auto& [box_i, i] : near_a) {
             for (const auto& [box_j, j] : near_b) {

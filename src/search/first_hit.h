@@ -27,7 +27,7 @@ class PosedGroup {
     void pose(const ShapeTree& tree, const Placement& place, std::int32_t group);
     Bounds box(int triangle) const;
     /// Returns the triangles of the group whose boxes overlap `other`, stored in `room`.
-    std::span<const Boxed> boxes_within(const Bounds& other, Buffers& room) const;
+    std::span<const Boxed> boxes_overlapping(const Bounds& other, Buffers& room) const;
 
     std::int32_t index = -1;  ///< index of the group, -1: none yet
     const ShapeTree::Group* group = nullptr;

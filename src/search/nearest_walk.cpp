@@ -36,7 +36,7 @@ bool NearestWalk::operator()(std::int32_t a, const ShapeTree& tree_a, std::int32
     // First descends once in both trees to get an upper bound, then visits all nodes that are not farther apart than
     // this bound.
     if (!begin(a, tree_a, b, tree_b, radius)) return false;
-    if (found_ && !touching_) aim(direction_);
+    if (found_ && !touching_) set_directions(direction_);
     candidates_.clear();
     walk(at(a_, 0), at(b_, 0));
     if (!found_) return false;
@@ -71,9 +71,9 @@ bool NearestWalk::begin(std::int32_t a, const ShapeTree& tree_a, std::int32_t b,
     found_ = touching_ = false;
     direction_ = {};
     candidates_.clear();
-    few_ = few_candidates;
+    drop_threshold_ = few_candidates;
     upper_ = radius * (1 + 0x1p-50);
-    aim({});
+    set_directions({});
     const At root_a = at(a_, 0), root_b = at(b_, 0);
     if (gap(root_a.reach, root_b.reach) > limit_) return false;
     descend(root_a, root_b);
@@ -89,7 +89,7 @@ void NearestWalk::begin(Side& side, std::int32_t body, const ShapeTree& tree) {
 
 // Sets the directions along which intervals are compared; `known` is one of them (box_distance.h). Empties the caches,
 // because new directions invalidate all cached intervals.
-void NearestWalk::aim(const Vec3d& known) {
+void NearestWalk::set_directions(const Vec3d& known) {
     boxes_.emplace(a_.place, a_.tree->frame(), b_.place, b_.tree->frame(), known);
     a_.boxes = &boxes_->a();
     b_.boxes = &boxes_->b();
@@ -218,7 +218,7 @@ void NearestWalk::test(const PosedLeaf& a, std::size_t i, const PosedLeaf& b, st
         direction_ = quick.direction();
         if (quick.upper() < upper_) set_upper(quick.upper());
     }
-    if (candidates_.size() > few_) drop_far_candidates();
+    if (candidates_.size() > drop_threshold_) drop_far_candidates();
 }
 
 void NearestWalk::test_contact(const Pair& pair, const TrianglePoints& a, const TrianglePoints& b) {
@@ -240,7 +240,7 @@ void NearestWalk::drop_far_candidates() {
     for (const NearestCandidate& candidate : candidates_)
         if (!(candidate.lower > upper_)) candidates_[n++] = candidate;
     candidates_.resize(n);
-    few_ = 2 * n + few_candidates;
+    drop_threshold_ = 2 * n + few_candidates;
 }
 
 }  // namespace crumple

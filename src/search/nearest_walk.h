@@ -82,7 +82,7 @@ class NearestWalk {
 
     bool begin(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, double radius);
     void begin(Side& side, std::int32_t body, const ShapeTree& tree);
-    void aim(const Vec3d& known);
+    void set_directions(const Vec3d& known);
     At at(const Side& side, std::int32_t node) const { return {node, (*side.boxes)(side.tree->node(node).box)}; }
     std::array<At, 2> halves(const Side& side, std::int32_t node) const {
         return {at(side, node + 1), at(side, side.tree->node(node).right)};
@@ -117,7 +117,7 @@ class NearestWalk {
     Vec3d direction_;                     ///< direction between the closest points of that pair, 0 if there is none
     Array<NearestCandidate> candidates_;  ///< all pairs of triangles that may be the closest
     /// Candidates that have become too far are dropped when there are more than this many.
-    std::size_t few_ = 0;
+    std::size_t drop_threshold_ = 0;
 };
 
 }  // namespace crumple

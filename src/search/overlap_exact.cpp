@@ -9,7 +9,7 @@ struct ExactPoint {
 };
 
 /// Converts points to integer coordinates relative to the origin, in units of 2^exponent.
-struct Unit {
+struct IntegerUnit {
     Vec3d origin;
     int exponent;
 
@@ -39,24 +39,24 @@ struct Unit {
     }
 };
 
-Unit unit_of(const OverlapScene& scene, const FaceCorners& p) {
+IntegerUnit unit_of(const OverlapScene& scene, const FaceCorners& p) {
     return {scene.origin, common_exponent(std::array{scene.origin, p[0], p[1], p[2]})};
 }
-Unit unit_of(const OverlapScene& scene, const FaceCorners& p, const FaceCorners& q) {
+IntegerUnit unit_of(const OverlapScene& scene, const FaceCorners& p, const FaceCorners& q) {
     return {scene.origin, common_exponent(std::array{scene.origin, p[0], p[1], p[2], q[0], q[1], q[2]})};
 }
 
 }  // namespace
 
 void ExactTerms::add_face(const FaceCorners& p, std::int32_t times, VolumeTotals<RationalSum>& totals) const {
-    const Unit unit = unit_of(scene_, p);
+    const IntegerUnit unit = unit_of(scene_, p);
     unit.add_cone(unit.at(p[0]), unit.at(p[1]), unit.at(p[2]), times, totals);
 }
 
 void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) const {
     if (!segment.in_volume) return;
     const std::array<FaceCorners, 2> face{scene_.corners_a(segment), scene_.corners_b(segment)};
-    const Unit unit = unit_of(scene_, face[0], face[1]);
+    const IntegerUnit unit = unit_of(scene_, face[0], face[1]);
     const ExactPoint start = unit.at(CrossingEdge(scene_, segment, segment.start)),
                      end = unit.at(CrossingEdge(scene_, segment, segment.end));
     unit.add_cone(unit.at(face[0][0]), start, end, 1, totals);
@@ -71,7 +71,7 @@ void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) 
 
 void ExactTerms::add(const Segment& segment, CurveTotals<RationalSum>& totals) const {
     if (segment.times == 0) return;
-    const Unit unit = unit_of(scene_, scene_.corners_a(segment), scene_.corners_b(segment));
+    const IntegerUnit unit = unit_of(scene_, scene_.corners_a(segment), scene_.corners_b(segment));
     const auto [s, v] = unit.at(CrossingEdge(scene_, segment, segment.start));
     const auto [e, w] = unit.at(CrossingEdge(scene_, segment, segment.end));
     const Integer both = v * w, times = segment.times;

@@ -111,7 +111,7 @@ std::vector<VertexVector> OverlapOfBodies::gradient(std::size_t side) {
     std::vector<VertexVector> found;
     if (!in_range()) {
         for (std::int32_t place = 0; place < topology(side).places(); ++place)
-            undecided.push_back(topology(side).vertex_at(place));
+            undecided.push_back(topology(side).vertex_at_place(place));
         std::sort(undecided.begin(), undecided.end());
         return rational_gradient(side, undecided);
     }

@@ -262,7 +262,7 @@ std::vector<VertexWinding> OverlapOfBodies::windings(std::size_t side) const {
     std::vector<VertexWinding> found;
     for (const WindingInterval& interval : steps(side).intervals())
         for (std::int32_t place = interval.begin; place < interval.end; ++place)
-            found.push_back({topology(side).vertex_at(place), interval.winding});
+            found.push_back({topology(side).vertex_at_place(place), interval.winding});
     std::sort(found.begin(), found.end(), [](const auto& x, const auto& y) { return x.vertex < y.vertex; });
     return found;
 }

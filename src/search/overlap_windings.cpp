@@ -25,7 +25,7 @@ void WindingSteps::add_components(const PlacedSurface& of, const PlacedSurface& 
     std::sort(steps_.begin(), steps_.end());
     const auto& first = of.surface->components();
     const auto is_outside = [&](std::int32_t place) {
-        const Vec3d& p = of.points[of.surface->vertex_at(place)];
+        const Vec3d& p = of.points[of.surface->vertex_at_place(place)];
         return !overlap(Bounds{p, p}, other.box);
     };
     std::vector<WindingRay> rays;
@@ -36,7 +36,7 @@ void WindingSteps::add_components(const PlacedSurface& of, const PlacedSurface& 
         std::int32_t place = first[c];
         while (place < first[c + 1] && !is_outside(place)) ++place;
         if (place == first[c + 1]) {
-            rays.push_back({of.points[of.surface->vertex_at(first[c])], c, 0});
+            rays.push_back({of.points[of.surface->vertex_at_place(first[c])], c, 0});
             continue;
         }
         for (; step < steps_.size() && steps_[step].place <= place; ++step) winding += steps_[step].change;

@@ -68,7 +68,7 @@ bool TriangleImpacts::any_at_start(BackendBase& backend, const PreparedScene& sc
 }
 
 void TriangleImpacts::find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features,
-                           const GroupFilter& rule, const RowLists& found, Statistics& statistics) {
+                           const SceneFilter& rule, const RowLists& found, Statistics& statistics) {
     intersecting_.clear();
     const auto take = [&](const Array<Pair>& some) {
         intersecting_.grow_by(some.size());
@@ -114,7 +114,7 @@ std::span<const std::int32_t> TriangleImpacts::triangles_of(std::int32_t vertex)
 
 /// Calls visit(pair, toi, start) for each pair of triangles that meets, for some pairs more than once.
 template <class Visit>
-void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupFilter& rule,
+void TriangleImpacts::for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const SceneFilter& rule,
                                     const RowLists& found, Visit visit) const {
     for (const Pair& pair : intersecting_) visit(pair, 0, 1);
     const auto tell = [&](std::int32_t s, std::int32_t t, double toi, std::uint8_t start) {

@@ -27,7 +27,7 @@ class TriangleImpacts {
     /// Makes rows() from all impacts of features (`found`) and the pairs that intersect at the start. Each pair has one
     /// row, and rows are sorted. The value of a row is the first time at which the triangles meet; its flag is 1 if
     /// they intersect or touch at the start. Cost: O(triangles + rows), and one search for intersections.
-    void find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features, const GroupFilter& rule,
+    void find(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features, const SceneFilter& rule,
               const RowLists& found, Statistics& statistics);
 
     FeatureRows& rows() { return rows_; }
@@ -46,7 +46,7 @@ class TriangleImpacts {
     void list_triangles_of_vertices(const PreparedScene& scene, std::int64_t triangles);
     std::span<const std::int32_t> triangles_of(std::int32_t vertex) const;
     template <class Visit>
-    void for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const GroupFilter& rule,
+    void for_each_pair(const PreparedScene& scene, const SceneFeatures& features, const SceneFilter& rule,
                        const RowLists& found, Visit visit) const;
     void write_rows(ParallelFor& workers);
 

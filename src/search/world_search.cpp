@@ -43,7 +43,7 @@ WorldSearch::WorldSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTr
       rules_(&meter),
       near_(&meter),
       marks_(&meter),
-      neighbours_(&meter),
+      near_pairs_(&meter),
       groups_(&meter),
       whole_(&meter),
       scene_(&meter),
@@ -58,7 +58,7 @@ void WorldSearch::release() {
     rules_ = BodyFilter(&meter_);
     near_ = NearBodies(&meter_);
     marks_.release();
-    neighbours_.release();
+    near_pairs_.release();
     groups_.release();
     whole_.release();
     scene_ = WorldScene(&meter_);
@@ -70,7 +70,7 @@ void WorldSearch::release() {
 void WorldSearch::find(BackendBase& backend, const World& world, const IntersectionQuery& query, Intersections& result,
                        const WorldBlocks* blocks) {
     named_.begin();
-    question_ = query;
+    query_ = query;
     blocks_ = blocks;
     outline_.read(world, query.filter);
     rules_.prepare(query.filter);
@@ -80,7 +80,7 @@ void WorldSearch::find(BackendBase& backend, const World& world, const Intersect
     if (is_flag(query.output) && boxes_) search_directly(backend, result);
     search_scenes(backend, result);
     if (blocks)
-        blocks->pass_on(result, true);
+        blocks->deliver_if_full(result, true);
     else
         finish(outline_, query, result);
     of_call_.clear();
@@ -159,14 +159,14 @@ void WorldSearch::search_directly(BackendBase& backend, Intersections& result) {
         std::int64_t tests = 0;
         cancellation_.check();
         for (std::int32_t pass = first; pass < std::min(passes(), first + worlds_a_task); ++pass) {
-            if (question_.output == Output::any && any.load(std::memory_order_relaxed)) break;
+            if (query_.output == Output::any && any.load(std::memory_order_relaxed)) break;
             near_.for_each_pair(pass, [&](std::int32_t a, std::int32_t b) {
-                if (!may_meet(a, b) || !direct(a, b)) return true;
+                if (!may_meet(a, b) || !both_have_trees(a, b)) return true;
                 cancellation_.check();
-                if (!bodies_meet(outline_, question_, rules_, a, *tree(a), b, *tree(b), tests)) return true;
+                if (!bodies_meet(outline_, query_, rules_, a, *tree(a), b, *tree(b), tests)) return true;
                 any.store(true, std::memory_order_relaxed);
                 if (pass < outline_.worlds() && !result.world_hit.empty()) result.world_hit[pass] = 1;
-                if (question_.output != Output::body_pairs) return false;
+                if (query_.output != Output::body_pairs) return false;
                 meet[task].push_back({a, b});
                 return true;
             });
@@ -184,13 +184,13 @@ void WorldSearch::search_scenes(BackendBase& backend, Intersections& result) {
     const auto at_once = static_cast<std::size_t>(blocks_ ? 1 : backend.worlds_at_once());
     // If the first hit ends the search, starts with few worlds: this costs only a handful of additional searches, and
     // may skip most worlds.
-    std::size_t most = question_.output == Output::any ? std::min(few_worlds, at_once) : at_once;
+    std::size_t most = query_.output == Output::any ? std::min(few_worlds, at_once) : at_once;
     joined_.clear();
     for (std::int32_t pass = 0; pass < passes() && !is_over(result); ++pass) {
         cancellation_.check();
-        if (question_.output == Output::any_by_world && known(pass, result)) continue;
+        if (query_.output == Output::any_by_world && is_hit(pass, result)) continue;
         collect(pass);
-        const Extent extent = collected();
+        const SceneSize extent = collected();
         if (extent.triangles < 2) continue;
         if (!joined_.empty() && !joins(extent)) {
             search_joined(backend, true, result);
@@ -211,7 +211,7 @@ void WorldSearch::search_scenes(BackendBase& backend, Intersections& result) {
 void WorldSearch::collect(std::int32_t pass) {
     const std::int32_t worlds = outline_.worlds();
     marks_.clear();
-    neighbours_.clear();
+    near_pairs_.clear();
     whole_.clear();
     if (!boxes_) {
         for (std::int32_t b = begin_of(pass); b < end_of(pass); ++b) whole_.push_back(b);
@@ -223,12 +223,12 @@ void WorldSearch::collect(std::int32_t pass) {
         if (rules_.within(b, outline_.body(b).self)) whole_.push_back(b);
     near_.for_each_pair(pass, [&](std::int32_t a, std::int32_t b) {
         cancellation_.check();
-        if (may_meet(a, b) && !(is_flag(question_.output) && direct(a, b))) mark(a, b);
+        if (may_meet(a, b) && !(is_flag(query_.output) && both_have_trees(a, b))) mark(a, b);
         return true;
     });
     std::sort(whole_.begin(), whole_.end());
     whole_.resize(static_cast<std::size_t>(std::unique(whole_.begin(), whole_.end()) - whole_.begin()));
-    std::sort(neighbours_.begin(), neighbours_.end());
+    std::sort(near_pairs_.begin(), near_pairs_.end());
     std::sort(marks_.begin(), marks_.end());
     marks_.resize(static_cast<std::size_t>(std::unique(marks_.begin(), marks_.end()) - marks_.begin()));
 }
@@ -251,8 +251,8 @@ void WorldSearch::for_each_collected(Whole whole, Some some) {
     }
 }
 
-WorldSearch::Extent WorldSearch::collected() {
-    Extent extent;
+WorldSearch::SceneSize WorldSearch::collected() {
+    SceneSize extent;
     for_each_collected(
         [&](std::int32_t b) {
             extent.triangles += outline_.shape(b).triangles.rows;
@@ -268,7 +268,7 @@ WorldSearch::Extent WorldSearch::collected() {
 }
 
 // True if the collected world may join the worlds that are already in the scene.
-bool WorldSearch::joins(const Extent& extent) const {
+bool WorldSearch::joins(const SceneSize& extent) const {
     return extent.triangles <= most_of_a_joined_world && scene_.triangles() + extent.triangles <= most_joined_ &&
            scene_.vertices() + extent.vertices <= std::numeric_limits<std::int32_t>::max();
 }
@@ -280,8 +280,8 @@ void WorldSearch::gather(BackendBase& backend, std::int32_t pass) {
     };
     const auto near = [&](std::int32_t b) {
         near_boxes_.clear();
-        const auto first = std::lower_bound(neighbours_.begin(), neighbours_.end(), BodyPair{b, -1});
-        for (auto n = first; n != neighbours_.end() && n->first == b; ++n) near_boxes_.push_back(near_.box(n->second));
+        const auto first = std::lower_bound(near_pairs_.begin(), near_pairs_.end(), BodyPair{b, -1});
+        for (auto n = first; n != near_pairs_.end() && n->first == b; ++n) near_boxes_.push_back(near_.box(n->second));
         return std::span<const Bounds>(near_boxes_);
     };
     const auto add_whole = [&](std::int32_t b) {
@@ -299,8 +299,8 @@ void WorldSearch::gather(BackendBase& backend, std::int32_t pass) {
 void WorldSearch::mark(std::int32_t a, std::int32_t b) {
     const ShapeTree *tree_a = tree(a), *tree_b = tree(b);
     const Placement place_a = outline_.placement(a), place_b = outline_.placement(b);
-    neighbours_.push_back({a, b});
-    neighbours_.push_back({b, a});
+    near_pairs_.push_back({a, b});
+    near_pairs_.push_back({b, a});
     if (tree_a && tree_b) {
         std::int32_t last_a = -1, last_b = -1;  // consecutive pairs often have a common group
         for_each_overlap(*tree_a, place_a, *tree_b, place_b, [&](std::int32_t group_a, std::int32_t group_b) {
@@ -336,8 +336,8 @@ bool WorldSearch::fits(Work work) const {
 }
 
 void WorldSearch::search_joined(BackendBase& backend, bool gathered, Intersections& result) {
-    if (gathered && fits([&] { look(backend, result); }))
-        take(result);
+    if (gathered && fits([&] { search_scene(backend, result); }))
+        add_found(result);
     else
         search_halves(backend, result);
     joined_.clear();
@@ -368,18 +368,18 @@ void WorldSearch::search_halves(BackendBase& backend, Intersections& result) {
 }
 
 // Runs the query on the scene.
-void WorldSearch::look(BackendBase& backend, Intersections& result) {
+void WorldSearch::search_scene(BackendBase& backend, Intersections& result) {
     IntersectionQuery query;
-    query.neighbours = question_.neighbours;
-    query.kind = question_.kind;
-    query.weld = question_.weld;
-    query.output = question_.contacts() ? Output::contacts : Output::pairs;
-    const PreparedScene scene = scene_.scene(outline_, question_.weld, backend);
+    query.neighbours = query_.neighbours;
+    query.kind = query_.kind;
+    query.weld = query_.weld;
+    query.output = query_.contacts() ? Output::contacts : Output::pairs;
+    const PreparedScene scene = scene_.scene(outline_, query_.weld, backend);
     flags_.assign(joined_.size(), 0);
     found_.statistics = {};
-    if (question_.output == Output::any) {
+    if (query_.output == Output::any) {
         flags_[0] = backend.any(scene, query);
-    } else if (question_.output == Output::any_by_world) {
+    } else if (query_.output == Output::any_by_world) {
         backend.any_by_world(scene, query, flags_.span(), found_.statistics);
     } else if (blocks_) {
         const auto append_block = [&](const Intersections& block) { append(block, result); };
@@ -389,12 +389,12 @@ void WorldSearch::look(BackendBase& backend, Intersections& result) {
     }
 }
 
-// Adds what look() has found to the result.
-void WorldSearch::take(Intersections& result) {
+// Adds what search_scene() has found to the result.
+void WorldSearch::add_found(Intersections& result) {
     for (std::size_t w = 0; w < flags_.size(); ++w)
         if (flags_[w]) hit(joined_[w], outline_, result);
-    if (question_.output != Output::any) add_pass(found_.statistics, result.statistics);
-    if (question_.output > Output::any_by_world && !blocks_) append(found_, result);
+    if (query_.output != Output::any) add_pass(found_.statistics, result.statistics);
+    if (query_.output > Output::any_by_world && !blocks_) append(found_, result);
 }
 
 // Appends pairs of the scene to the result. They are sorted by world.
@@ -405,11 +405,10 @@ void WorldSearch::append(const Intersections& found, Intersections& result) {
         while (pair.a >= scene_.first_of_world(world + 1)) ++world;
         const std::int32_t a = scene_.body(pair.a), b = scene_.body(pair.b);
         const Contacts& c = found.contacts;
-        add_pair(outline_, question_, joined_[world], {a, b}, {scene_.triangle(pair.a), scene_.triangle(pair.b)},
-                 result);
-        if (question_.contacts())
+        add_pair(outline_, query_, joined_[world], {a, b}, {scene_.triangle(pair.a), scene_.triangle(pair.b)}, result);
+        if (query_.contacts())
             add_contact(c.kinds[i], {c.points.data() + c.offsets[i], c.points.data() + c.offsets[i + 1]}, result);
-        if (blocks_) blocks_->pass_on(result);
+        if (blocks_) blocks_->deliver_if_full(result);
     }
 }
 

@@ -47,7 +47,7 @@ class WorldSearch {
         friend auto operator<=>(const Mark&, const Mark&) = default;
     };
 
-    struct Extent {
+    struct SceneSize {
         std::int64_t triangles = 0, vertices = 0;
     };
 
@@ -62,27 +62,27 @@ class WorldSearch {
 
     const ShapeTree* tree(std::int32_t b) const { return trees_[static_cast<std::size_t>(outline_.body(b).shape)]; }
     bool may_meet(std::int32_t a, std::int32_t b) const;
-    bool direct(std::int32_t a, std::int32_t b) const { return tree(a) && tree(b); }
+    bool both_have_trees(std::int32_t a, std::int32_t b) const { return tree(a) && tree(b); }
 
     void search_directly(BackendBase& backend, Intersections& result);
-    bool known(std::int32_t pass, const Intersections& result) const {
+    bool is_hit(std::int32_t pass, const Intersections& result) const {
         return pass < outline_.worlds() && result.world_hit[pass] != 0;
     }
     void search_scenes(BackendBase& backend, Intersections& result);
-    bool is_over(const Intersections& result) const { return question_.output == Output::any && result.any; }
+    bool is_over(const Intersections& result) const { return query_.output == Output::any && result.any; }
     void collect(std::int32_t pass);
     void mark(std::int32_t a, std::int32_t b);
     template <class Whole, class Some>
     void for_each_collected(Whole whole, Some some);
-    Extent collected();
-    bool joins(const Extent& extent) const;
+    SceneSize collected();
+    bool joins(const SceneSize& extent) const;
     void gather(BackendBase& backend, std::int32_t pass);
     template <class Work>
     bool fits(Work work) const;
     void search_joined(BackendBase& backend, bool gathered, Intersections& result);
     void search_halves(BackendBase& backend, Intersections& result);
-    void look(BackendBase& backend, Intersections& result);
-    void take(Intersections& result);
+    void search_scene(BackendBase& backend, Intersections& result);
+    void add_found(Intersections& result);
     void append(const Intersections& found, Intersections& result);
 
     MemoryMeter& meter_;
@@ -90,7 +90,7 @@ class WorldSearch {
     ShapeTrees& named_;
 
     // State of the current call:
-    IntersectionQuery question_;
+    IntersectionQuery query_;
     const WorldBlocks* blocks_ = nullptr;
     WorldOutline outline_;
     BodyFilter rules_;
@@ -100,7 +100,7 @@ class WorldSearch {
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
     NearBodies near_;
     Array<Mark> marks_;
-    Array<BodyPair> neighbours_;  ///< in the collected world: pairs of bodies that may meet, in both orders
+    Array<BodyPair> near_pairs_;  ///< in the collected world: pairs of bodies that may meet, in both orders
     Array<std::int32_t> groups_, whole_;
     std::vector<Bounds> near_boxes_;
     std::vector<std::int32_t> joined_;  ///< indices of the worlds that are side by side in the scene

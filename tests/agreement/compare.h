@@ -33,7 +33,7 @@ testing::AssertionResult same_bytes(const Array<T>& found, const Array<T>& expec
 
 /// Compares complete results. Of the statistics, it compares only rational_contacts, which does not depend on backend
 /// and options.
-inline testing::AssertionResult same_answer(const Intersections& found, const Intersections& expected) {
+inline testing::AssertionResult same_result(const Intersections& found, const Intersections& expected) {
     testing::AssertionResult same = same_pairs(found.pairs.span(), expected.pairs.span());
     if (same) same = same_bytes(found.offsets, expected.offsets, "offsets");
     if (same) same = same_bytes(found.hit, expected.hit, "hit flags");

@@ -28,8 +28,8 @@ struct Line {
 struct Truth {
     std::vector<Line> lines;
 
-    template <class PairScope>
-    std::vector<Pair> pairs(PairScope is_chosen) const {
+    template <class Predicate>
+    std::vector<Pair> pairs(Predicate is_chosen) const {
         std::vector<Pair> chosen;
         for (const Line& line : lines) {
             if (is_chosen(line)) chosen.push_back(line.pair);

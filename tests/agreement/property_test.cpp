@@ -256,7 +256,7 @@ RC_GTEST_PROP(Property, brute_force_agrees, ()) {
     IntersectionQuery query = any_query();
     query.output = Output::contacts;
     Detector cpu = any_detector(), reference({.backend = Backend::reference});
-    const testing::AssertionResult same = same_answer(cpu.find(soup.view(), query), reference.find(soup.view(), query));
+    const testing::AssertionResult same = same_result(cpu.find(soup.view(), query), reference.find(soup.view(), query));
     if (!same) RC_FAIL(same.message());
 }
 

@@ -188,7 +188,7 @@ TEST_P(Agreement, every_option_gives_brute_force_result) {
         const Intersections& expected = reference.find(view(), query);
         for (auto& [options, detector] : share(list, turn++)) {
             SCOPED_TRACE(testing::Message() << scene_name() << ", " << name << ", " << describe(options));
-            EXPECT_TRUE(same_answer(detector.find(view(), query), expected));
+            EXPECT_TRUE(same_result(detector.find(view(), query), expected));
             EXPECT_EQ(detector.any(view(), query), !expected.pairs.empty());
         }
         EXPECT_EQ(reference.any(view(), query), !expected.pairs.empty()) << scene_name() << ", " << name;
@@ -204,7 +204,7 @@ TEST_P(Agreement, two_meshes_give_brute_force_result) {
         const Intersections& expected = reference.find({half.a, half.b}, query);
         for (auto& [options, detector] : share(list, turn++)) {
             SCOPED_TRACE(testing::Message() << scene_name() << ", " << name << ", " << describe(options));
-            EXPECT_TRUE(same_answer(detector.find({half.a, half.b}, query), expected));
+            EXPECT_TRUE(same_result(detector.find({half.a, half.b}, query), expected));
             EXPECT_EQ(detector.any({half.a, half.b}, query), !expected.pairs.empty());
         }
     }
@@ -276,12 +276,12 @@ TEST_P(Agreement, memory_limits_do_not_change_result) {
         options.memory_limit = limit;
         Detector detector(options);
         try {
-            EXPECT_TRUE(same_answer(detector.find(view(), query), expected));
+            EXPECT_TRUE(same_result(detector.find(view(), query), expected));
         } catch (const Error& error) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
             EXPECT_GT(error.bytes_needed, limit);
             sufficient_limit(options,
-                             [&](Detector& enough) { EXPECT_TRUE(same_answer(enough.find(view(), query), expected)); });
+                             [&](Detector& enough) { EXPECT_TRUE(same_result(enough.find(view(), query), expected)); });
         }
     }
 }

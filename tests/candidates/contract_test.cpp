@@ -224,7 +224,7 @@ TEST(CandidateCalls, results_do_not_depend_on_earlier_calls) {
                                         fresh.find(soup.view().moving_to(soup.end_view()), query)));
             ASSERT_TRUE(same_features(warm.find(soup.view(), ProximityQuery{.radius = 0.1}),
                                       fresh.find(soup.view(), ProximityQuery{.radius = 0.1})));
-            ASSERT_TRUE(same_answer(warm.find(soup.view()), fresh.find(soup.view())));
+            ASSERT_TRUE(same_result(warm.find(soup.view()), fresh.find(soup.view())));
         }
 }
 

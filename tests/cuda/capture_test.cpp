@@ -64,7 +64,7 @@ TEST(CudaCapture, each_replay_gives_the_current_result) {
                 const Intersections& expected = cpu.find(mesh.view(), query);
                 EXPECT_TRUE(shows(found, view, nullptr, expected)) << "frame " << frame;
                 EXPECT_EQ(found.pairs_needed, found.count);
-                EXPECT_TRUE(same_answer(launched.download(), expected)) << "frame " << frame;
+                EXPECT_TRUE(same_result(launched.download(), expected)) << "frame " << frame;
             }
             EXPECT_GE(complete, 4) << "of 8 frames that look like the ones before";
         }
@@ -233,7 +233,7 @@ TEST(CudaCapture, invalid_input_is_reported_and_later_replays_work) {
         EXPECT_EQ(message_of([&] { launched.wait(); }), "vertex 17 is not finite");
         device.set_vertices(good.view());
         ASSERT_TRUE(replay_until_complete(recorder, launched).complete);
-        EXPECT_TRUE(same_answer(launched.download(), cpu.find(good.view())));
+        EXPECT_TRUE(same_result(launched.download(), cpu.find(good.view())));
     }
 }
 
@@ -302,9 +302,9 @@ TEST(CudaCapture, calls_in_the_wrong_order_are_rejected) {
     EXPECT_EQ(message_of([&] { launched.wait(); }), "wait() needs a replay of the captured launch before it");
     recorder.replay();
     EXPECT_TRUE(shows(launched.wait(), view, nullptr, expected));
-    EXPECT_TRUE(same_answer(launched.download(), expected));
+    EXPECT_TRUE(same_result(launched.download(), expected));
     // Another call may reallocate the lists, and ends the captured launch.
-    EXPECT_TRUE(same_answer(cuda.find(mesh.view()), expected));
+    EXPECT_TRUE(same_result(cuda.find(mesh.view()), expected));
     EXPECT_EQ(message_of([&] { launched.wait(); }),
               "there is nothing to wait for: another call has come after this launch");
 }

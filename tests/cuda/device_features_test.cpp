@@ -222,7 +222,7 @@ TEST(CudaDeviceFeatures, launches_of_all_kinds_may_alternate) {
         const auto candidates = cuda.launch(b.view().moving_to(b.end()), CandidateQuery());
         EXPECT_STREQ(error_of([&] { candidates.wait(); }).what(), not_the_oldest);
         EXPECT_TRUE(shows(intersections.wait(), b.view(), nullptr, cpu.find(second.view())));
-        EXPECT_TRUE(same_answer(intersections.download(), cpu.find(second.view())));
+        EXPECT_TRUE(same_result(intersections.download(), cpu.find(second.view())));
         EXPECT_TRUE(shows(candidates.wait(), cpu.find(second.view().moving_to(second.end_view()), CandidateQuery())));
         EXPECT_STREQ(error_of([&] { intersections.download(); }).what(),
                      "download() needs a wait() for meshes before it");

@@ -26,7 +26,7 @@ TEST(CudaDevice, hard_soups_in_device_memory_match_the_cpu) {
         Detector reference({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
         for (const bool weld : {false, true}) {
             const IntersectionQuery query{.output = !weld ? Output::contacts : Output::pairs, .weld = weld};
-            EXPECT_TRUE(same_answer(cuda.find(device.view(), query), reference.find(host, query)));
+            EXPECT_TRUE(same_result(cuda.find(device.view(), query), reference.find(host, query)));
         }
         EXPECT_EQ(cuda.any(device.view()), reference.any(host));
     }
@@ -42,14 +42,14 @@ TEST(CudaDevice, int64_indices_and_strided_triangles_are_read) {
     with_wide.triangles = rows_of_three(wide.data(), host.triangles.rows);
     const DeviceMesh device(with_wide);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    EXPECT_TRUE(same_answer(cuda.find(device.view()), cpu.find(host)));
+    EXPECT_TRUE(same_result(cuda.find(device.view()), cpu.find(host)));
 
     MeshView every_other = device.view(), host_every_other = host;
     for (MeshView* view : {&every_other, &host_every_other}) {
         view->triangles.rows /= 2;
         view->triangles.row_stride *= 2;
     }
-    EXPECT_TRUE(same_answer(cuda.find(every_other), cpu.find(host_every_other)));
+    EXPECT_TRUE(same_result(cuda.find(every_other), cpu.find(host_every_other)));
 }
 
 TEST(CudaDevice, unaligned_arrays_are_read) {
@@ -73,7 +73,7 @@ TEST(CudaDevice, unaligned_arrays_are_read) {
                           3 * scalar, scalar, in_double ? IndexType::int64 : IndexType::int32};
         view.memory = MemorySpace::cuda;
         Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-        EXPECT_TRUE(same_answer(cuda.find(view, {.output = Output::contacts}),
+        EXPECT_TRUE(same_result(cuda.find(view, {.output = Output::contacts}),
                                 cpu.find(mesh.view(), {.output = Output::contacts})));
     }
 }
@@ -90,12 +90,12 @@ TEST(CudaDevice, two_meshes_with_groups_and_parts_match_the_cpu) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     for (const PairScope scope : {PairScope::both, PairScope::between, PairScope::within}) {
         const IntersectionQuery query{.weld = true, .filter = {.groups = scope}};
-        EXPECT_TRUE(same_answer(cuda.find({device_a.view(), device_b.view()}, query), cpu.find({grouped, b}, query)));
+        EXPECT_TRUE(same_result(cuda.find({device_a.view(), device_b.view()}, query), cpu.find({grouped, b}, query)));
     }
     const IntersectionQuery contacts{.output = Output::contacts, .filter = {.groups = PairScope::between}};
     for (const int count : {3, 70})
         for (const Part& part : cpu.partition({grouped, b}, {}, count))
-            EXPECT_TRUE(same_answer(cuda.find(part, contacts), cpu.find(part, contacts)));
+            EXPECT_TRUE(same_result(cuda.find(part, contacts), cpu.find(part, contacts)));
 }
 
 TEST(CudaDevice, one_mesh_has_64_clusters_and_two_meshes_have_63) {
@@ -109,10 +109,10 @@ TEST(CudaDevice, one_mesh_has_64_clusters_and_two_meshes_have_63) {
         for (int turn = 0; turn < 2; ++turn) {
             const Intersections& self = cuda.find(whole.view());
             EXPECT_EQ(self.statistics.clusters, 64);
-            EXPECT_TRUE(same_answer(self, cpu.find(host)));
+            EXPECT_TRUE(same_result(self, cpu.find(host)));
             const Intersections& between = cuda.find({a.view(), b.view()});
             EXPECT_EQ(between.statistics.clusters, 63);
-            EXPECT_TRUE(same_answer(between, cpu.find({half.a, half.b})));
+            EXPECT_TRUE(same_result(between, cpu.find({half.a, half.b})));
         }
     }
 }
@@ -189,7 +189,7 @@ TEST(CudaDevice, earlier_cuda_errors_are_ignored) {
     const io::TriangleMesh mesh = cloth(300);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     ASSERT_NE(cudaSetDevice(1000), cudaSuccess);  // and the last error stays set
-    EXPECT_TRUE(same_answer(cuda.find(mesh.view()), cpu.find(mesh.view())));
+    EXPECT_TRUE(same_result(cuda.find(mesh.view()), cpu.find(mesh.view())));
 }
 
 TEST(CudaDevice, every_call_reports_an_invalid_vertex_index) {
@@ -228,7 +228,7 @@ TEST(CudaDevice, long_rows_are_sorted) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const Intersections& found = cuda.find(mesh);
     EXPECT_EQ(found.pairs.size(), 1000u);
-    EXPECT_TRUE(same_answer(found, cpu.find(mesh)));
+    EXPECT_TRUE(same_result(found, cpu.find(mesh)));
 }
 
 // Results must not depend on the order in which blocks run. CRUMPLE_REPEATS sets the number of repetitions, which can
@@ -245,8 +245,8 @@ TEST(CudaDevice, repeated_calls_give_the_same_bytes) {
     ASSERT_GT(expected.pairs.size(), 0u);
     for (int i = 0; i < repeats; ++i) {
         Detector cold({.backend = Backend::cuda});
-        ASSERT_TRUE(same_answer(warm.find(device.view(), query), expected)) << "warm, run " << i;
-        ASSERT_TRUE(same_answer(cold.find(device.view(), query), expected)) << "new, run " << i;
+        ASSERT_TRUE(same_result(warm.find(device.view(), query), expected)) << "warm, run " << i;
+        ASSERT_TRUE(same_result(cold.find(device.view(), query), expected)) << "new, run " << i;
     }
 }
 

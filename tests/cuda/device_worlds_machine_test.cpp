@@ -70,7 +70,7 @@ TEST_F(CudaMachineDeviceWorlds, find_gives_same_result_or_memory_limit_error) {
             Detector detector({.backend = Backend::cuda, .memory_limit = limit});
             try {
                 const Intersections& found = detector.find(device.view(), query);
-                ASSERT_TRUE(same_world_answer(found, expected)) << limit;
+                ASSERT_TRUE(same_world_result(found, expected)) << limit;
                 EXPECT_LE(found.statistics.peak_memory_bytes, limit);
             } catch (const Error& error) {
                 ASSERT_EQ(error.code, ErrorCode::memory_limit);
@@ -88,10 +88,10 @@ TEST_F(CudaMachineDeviceWorlds, failed_allocation_or_launch_does_not_change_resu
         SCOPED_TRACE(before);
         Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});
         settings().allocations_before_failure = before;
-        EXPECT_TRUE(same_world_answer(first.find(device.view()), expected));
+        EXPECT_TRUE(same_world_result(first.find(device.view()), expected));
         settings().allocations_before_failure = -1;
         settings().launches_before_failure = before;
-        EXPECT_TRUE(same_world_answer(second.find(device.view()), expected));
+        EXPECT_TRUE(same_world_result(second.find(device.view()), expected));
         settings().launches_before_failure = -1;
     }
 }
@@ -149,7 +149,7 @@ TEST_F(CudaMachineDeviceWorlds, find_takes_more_worlds_than_one_launch) {
     const DeviceWorld device({shapes, bodies, poses});
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     const IntersectionQuery query{.output = Output::any_by_world};
-    EXPECT_TRUE(same_world_answer(cuda.find(device.view(), query), cpu.find(World{shapes, bodies, poses}, query)));
+    EXPECT_TRUE(same_world_result(cuda.find(device.view(), query), cpu.find(World{shapes, bodies, poses}, query)));
     EXPECT_STREQ(error_of([&] { cuda.launch(device.view(), query); }).what(),
                  "a launch takes at most 65535 worlds, and 16777216 triangles together");
 }

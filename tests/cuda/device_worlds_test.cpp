@@ -64,7 +64,7 @@ TEST(CudaDeviceWorlds, results_match_brute_force) {
                 query.output = output;
                 Detector& detector = number % 2 ? small : cuda;
                 ASSERT_TRUE(
-                    same_world_answer(detector.find(device.view(), query), reference.find(world->view(), query)));
+                    same_world_result(detector.find(device.view(), query), reference.find(world->view(), query)));
             }
         }
 }
@@ -77,7 +77,7 @@ TEST(CudaDeviceWorlds, poses_may_be_float32) {
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     const Intersections& expected = cpu.find(world->view());
     ASSERT_GT(expected.count, 0);
-    EXPECT_TRUE(same_world_answer(cuda.find(device.view()), expected));
+    EXPECT_TRUE(same_world_result(cuda.find(device.view()), expected));
     EXPECT_TRUE(shows_world(cuda.launch(device.view()).wait(), expected));
 }
 
@@ -161,7 +161,7 @@ TEST(CudaDeviceWorlds, worlds_may_change_between_calls) {
     const auto compare = [&](const IntersectionQuery& query = {}) {
         const DeviceWorld device(world->view());
         const Intersections& expected = cpu.find(world->view(), query);
-        EXPECT_TRUE(same_world_answer(cuda.find(device.view(), query), expected));
+        EXPECT_TRUE(same_world_result(cuda.find(device.view(), query), expected));
         EXPECT_TRUE(shows_world(cuda.launch(device.view(), query).wait(), expected));
         return expected.count;
     };
@@ -355,7 +355,7 @@ TEST(CudaDeviceWorlds, unsupported_calls_are_rejected) {
             EXPECT_EQ(message_of([&] { launched ? void(cuda.launch(wrong)) : void(cuda.find(wrong)); }),
                       "poses lie in host memory, which CUDA device 0 cannot read");
     }
-    EXPECT_TRUE(same_world_answer(cuda.find(device.view()), cpu.find(world->view())));
+    EXPECT_TRUE(same_world_result(cuda.find(device.view()), cpu.find(world->view())));
 }
 
 }  // namespace

@@ -42,11 +42,11 @@ TEST_F(Devices, moving_and_changing_meshes_match_the_cpu) {
             for (int frame = 0; frame < 3; ++frame) {
                 const WholeMesh sheet(wavy_sheet<float>(14, 0.3 + 0.01 * frame));
                 const IntersectionQuery query{.output = contacts ? Output::contacts : Output::pairs};
-                ASSERT_TRUE(same_answer(several.find(sheet.view(), query), one.find(sheet.view(), query)));
+                ASSERT_TRUE(same_result(several.find(sheet.view(), query), one.find(sheet.view(), query)));
                 EXPECT_TRUE(several.any(sheet.view()));
             }
         const WholeMesh soup(random_soup<double>(120, 0.2));
-        ASSERT_TRUE(same_answer(several.find(soup.view()), one.find(soup.view())));
+        ASSERT_TRUE(same_result(several.find(soup.view()), one.find(soup.view())));
         const WholeMesh nothing(Soup<float>{});
         EXPECT_FALSE(several.any(nothing.view()));
         EXPECT_EQ(several.find(soup.view()).statistics.backend, "cuda");
@@ -64,7 +64,7 @@ TEST_F(Devices, hard_soups_match_the_cpu) {
         const std::vector<GroupPair> excluded{{0, 1}};
         if (number % 4 == 3) query.filter.excluded_groups = excluded;
         const WholeMesh mesh(soup.mesh);
-        ASSERT_TRUE(same_answer(several.find(mesh.view(), query), one.find(mesh.view(), query))) << soup.name;
+        ASSERT_TRUE(same_result(several.find(mesh.view(), query), one.find(mesh.view(), query))) << soup.name;
         ++number;
     }
 }
@@ -87,7 +87,7 @@ TEST_F(Devices, impacts_and_proximities_match_the_cpu) {
 TEST_F(Devices, queries_that_are_not_divided_match_the_cpu) {
     Detector several(some({1, 0})), one({.backend = Backend::cpu});
     const WholeMesh sheet(wavy_sheet<float>(10)), soup(random_soup<float>(80, 0.3));
-    EXPECT_TRUE(same_answer(several.find({sheet.view(), soup.view()}), one.find({sheet.view(), soup.view()})));
+    EXPECT_TRUE(same_result(several.find({sheet.view(), soup.view()}), one.find({sheet.view(), soup.view()})));
     const ProximityQuery rings{.radius = 0.05, .rings = 2};
     EXPECT_TRUE(same_features(several.find(sheet.view(), rings), one.find(sheet.view(), rings)));
     const std::vector<Shape> shapes{Shape(sheet.view()), Shape(soup.view())};
@@ -97,7 +97,7 @@ TEST_F(Devices, queries_that_are_not_divided_match_the_cpu) {
     Options limited = some({0, 1});
     limited.memory_limit = 64 << 20;
     Detector with_less(limited);
-    EXPECT_TRUE(same_answer(with_less.find(sheet.view()), one.find(sheet.view())));
+    EXPECT_TRUE(same_result(with_less.find(sheet.view()), one.find(sheet.view())));
 }
 
 TEST_F(Devices, errors_are_reported_and_the_detector_stays_usable) {
@@ -131,7 +131,7 @@ TEST_F(Devices, errors_are_reported_and_the_detector_stays_usable) {
     } catch (const std::domain_error&) {
     }
     several.set_poll({});
-    EXPECT_TRUE(same_answer(several.find(sheet.view()), one.find(sheet.view())));
+    EXPECT_TRUE(same_result(several.find(sheet.view()), one.find(sheet.view())));
 }
 
 // Local meshes may be on the ranks' devices; they are copied to the host.
@@ -141,7 +141,7 @@ TEST_F(Devices, local_meshes_of_ranks_may_be_on_devices) {
     Detector one({.backend = Backend::cpu});
     const Intersections pairs = one.find(step.start.view());
     const Impacts impacts = one.find(step.start.view().moving_to(step.end_view()), ImpactQuery());
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(ranks, [&](distribute::Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece start(step.start, Distribution::random, rank, ranks),

@@ -52,7 +52,7 @@ TEST(CudaLaunch, simulation_frames_match_the_cpu) {
             const Intersections& expected = cpu.find(mesh.view(), query);
             pairs += found.count;
             ASSERT_TRUE(shows(found, view, nullptr, expected)) << "frame " << frame;
-            ASSERT_TRUE(same_answer(launched.download(), expected)) << "frame " << frame;
+            ASSERT_TRUE(same_result(launched.download(), expected)) << "frame " << frame;
         }
     }
     EXPECT_GT(pairs, 100);
@@ -150,7 +150,7 @@ TEST(CudaLaunch, long_rows_are_sorted) {
     const DeviceMesh device(soup.view());
     EXPECT_TRUE(shows(cuda.launch(device.view()).wait(), soup.view(), nullptr, expected));
     Detector chunked({.backend = Backend::cuda, .memory_limit = 2'000'000});
-    EXPECT_TRUE(same_answer(chunked.find(device.view()), expected));
+    EXPECT_TRUE(same_result(chunked.find(device.view()), expected));
 }
 
 // A search in chunks under a memory limit, with a cluster that has more units of work than a chunk can hold.
@@ -161,7 +161,7 @@ TEST(CudaLaunch, all_units_are_swept_in_chunks) {
     const DeviceMesh device(soup.view());
     Detector cpu({.backend = Backend::cpu});
     const Options options{.backend = Backend::cuda, .memory_limit = 1'900'000, .leaf_size = 100'000};
-    EXPECT_TRUE(same_answer(Detector(options).find(device.view()), cpu.find(soup.view())));
+    EXPECT_TRUE(same_result(Detector(options).find(device.view()), cpu.find(soup.view())));
     EXPECT_TRUE(Detector(options).any(device.view()));
 }
 
@@ -217,7 +217,7 @@ TEST(CudaLaunch, excluded_groups_may_change_with_each_query) {
         EXPECT_TRUE(shows(cuda.launch(device.view(), query).wait(), mesh.view(), nullptr, expected))
             << "list " << counts.size();
         const Part part = cpu.partition(mesh.view(), {}, 2)[0];
-        EXPECT_TRUE(same_answer(cuda.find(part, query), cpu.find(part, query)));
+        EXPECT_TRUE(same_result(cuda.find(part, query), cpu.find(part, query)));
     }
     EXPECT_NE(counts[1], counts[2]);
     EXPECT_LT(counts[2], counts[3]);
@@ -240,8 +240,8 @@ TEST(CudaLaunch, download_needs_a_wait_of_the_last_call) {
         const auto launched = cuda.launch(device.view());
         EXPECT_THROW(launched.download(), Error) << "nobody has waited for it";
         launched.wait();
-        EXPECT_TRUE(same_answer(launched.download(), cpu.find(mesh.view())));
-        EXPECT_TRUE(same_answer(launched.download(), cpu.find(mesh.view())));
+        EXPECT_TRUE(same_result(launched.download(), cpu.find(mesh.view())));
+        EXPECT_TRUE(same_result(launched.download(), cpu.find(mesh.view())));
         call();
         EXPECT_THROW(launched.download(), Error);
     }
@@ -262,7 +262,7 @@ TEST(CudaLaunch, find_ends_launches_in_flight) {
     const DeviceMesh device_first(first.view()), device_second(second.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const auto older = cuda.launch(device_first.view()), newer = cuda.launch(device_first.view());
-    EXPECT_TRUE(same_answer(cuda.find(second.view()), cpu.find(second.view())));
+    EXPECT_TRUE(same_result(cuda.find(second.view()), cpu.find(second.view())));
     EXPECT_THROW(older.wait(), Error);
     EXPECT_THROW(newer.wait(), Error);
     EXPECT_TRUE(shows(cuda.launch(device_second.view()).wait(), second.view(), nullptr, cpu.find(second.view())));
@@ -307,7 +307,7 @@ TEST(CudaLaunch, two_frames_in_flight_match_the_cpu) {
                     launched.push_back(cuda.launch(views[frame], query));
                     const DeviceIntersections& found = launched[frame - 1].wait();
                     expect_right(found, frame - 1);
-                    EXPECT_TRUE(same_answer(launched[frame - 1].download(), cpu.find(meshes[frame - 1].view(), query)));
+                    EXPECT_TRUE(same_result(launched[frame - 1].download(), cpu.find(meshes[frame - 1].view(), query)));
                 }
                 const DeviceIntersections& last = launched[7].wait();
                 const auto next = cuda.launch(views[0], query);
@@ -428,7 +428,7 @@ TEST(CudaLaunch, wait_is_allowed_once_and_in_order) {
         const auto older = cuda.launch(first.view()), newer = cuda.launch(second.view()), copy = newer;
         EXPECT_EQ(message_of(newer), "an older launch is in flight: launches are waited for in their order");
         EXPECT_TRUE(shows(older.wait(), first.view(), nullptr, cpu.find(meshes[0].view())));
-        EXPECT_TRUE(same_answer(older.download(), cpu.find(meshes[0].view())));
+        EXPECT_TRUE(same_result(older.download(), cpu.find(meshes[0].view())));
         EXPECT_THROW(newer.download(), Error) << "nobody has waited for it";
         EXPECT_EQ(message_of(older), nothing_to_wait_for);
         EXPECT_TRUE(shows(copy.wait(), second.view(), nullptr, cpu.find(meshes[1].view())));
@@ -463,7 +463,7 @@ TEST(CudaLaunch, wait_works_after_the_detector_was_moved) {
     const auto launched = cuda.launch(device.view());
     const Detector moved = std::move(cuda);
     EXPECT_TRUE(shows(launched.wait(), mesh.view(), nullptr, cpu.find(mesh.view())));
-    EXPECT_TRUE(same_answer(launched.download(), cpu.find(mesh.view())));
+    EXPECT_TRUE(same_result(launched.download(), cpu.find(mesh.view())));
 }
 
 // Bad input of one launch does not affect the other.
@@ -557,11 +557,11 @@ TEST(CudaLaunch, capture_of_another_thread_is_not_disturbed) {
     check(cudaMemsetAsync(bytes.data(), 0, 4, stream));
     std::thread([&] {
         Detector cuda({.backend = Backend::cuda});
-        EXPECT_TRUE(same_answer(cuda.find(mesh.view()), expected));
+        EXPECT_TRUE(same_result(cuda.find(mesh.view()), expected));
         for (int frame = 0; frame < 4; ++frame) {
             const auto launched = cuda.launch(device.view());
             EXPECT_EQ(launched.wait().count, static_cast<std::int64_t>(expected.pairs.size()));
-            EXPECT_TRUE(same_answer(launched.download(), expected));
+            EXPECT_TRUE(same_result(launched.download(), expected));
         }
         cuda.launch(device.view());  // the detector's destructor waits for it
     }).join();
@@ -584,7 +584,7 @@ TEST(CudaLaunch, default_streams_work_while_another_thread_captures) {
                 MeshView view = device.view();
                 view.stream = stream;
                 Detector cuda({.backend = Backend::cuda});
-                EXPECT_TRUE(same_answer(cuda.find(view), expected));
+                EXPECT_TRUE(same_result(cuda.find(view), expected));
                 for (int frame = 0; frame < 3; ++frame)
                     EXPECT_TRUE(shows(cuda.launch(view).wait(), view, nullptr, expected));
             }).join();
@@ -640,7 +640,7 @@ TEST(CudaLaunch, limited_launch_gives_same_result_or_names_larger_limit) {
     const auto shows_all = [&](Detector& cuda) {
         const auto launched = cuda.launch(device.view(), query);
         EXPECT_TRUE(shows(launched.wait(), mesh.view(), nullptr, expected));
-        EXPECT_TRUE(same_answer(launched.download(), expected));
+        EXPECT_TRUE(same_result(launched.download(), expected));
     };
     Detector unlimited({.backend = Backend::cuda});
     shows_all(unlimited);

@@ -101,13 +101,13 @@ TEST_F(CudaMachine, failed_allocation_gives_result_or_device_error) {
             Detector detector({.backend = Backend::cuda});
             settings().allocations_before_failure = allocations;
             try {
-                EXPECT_TRUE(same_answer(detector.find(mesh.view(), query), expected));
+                EXPECT_TRUE(same_result(detector.find(mesh.view(), query), expected));
             } catch (const Error& error) {
                 ++failures;
                 EXPECT_EQ(error.code, ErrorCode::device) << error.what();
             }
             settings().allocations_before_failure = -1;
-            EXPECT_TRUE(same_answer(detector.find(mesh.view(), query), expected)) << "after " << allocations;
+            EXPECT_TRUE(same_result(detector.find(mesh.view(), query), expected)) << "after " << allocations;
         }
         EXPECT_LT(failures, 8);
     }
@@ -296,7 +296,7 @@ TEST_F(CudaMachine, failed_kernel_launch_does_not_change_result) {
         SCOPED_TRACE(testing::Message() << "after " << launches);
         Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});
         settings().launches_before_failure = launches;
-        EXPECT_TRUE(same_answer(first.find(mesh.view(), query), expected));
+        EXPECT_TRUE(same_result(first.find(mesh.view(), query), expected));
         settings().launches_before_failure = launches;
         EXPECT_EQ(second.launch(device.view(), query).wait().count, static_cast<std::int64_t>(expected.pairs.size()));
         settings().launches_before_failure = -1;
@@ -387,7 +387,7 @@ TEST_F(CudaMachine, limit_that_suffices_also_suffices_as_device_memory) {
         const auto gives_result = [&](const Options& options) {
             try {
                 Detector detector(options);
-                EXPECT_TRUE(same_answer(detector.find(mesh.view(), query), expected));
+                EXPECT_TRUE(same_result(detector.find(mesh.view(), query), expected));
                 return true;
             } catch (const Error& error) {
                 EXPECT_EQ(error.code, options.memory_limit ? ErrorCode::memory_limit : ErrorCode::device);

@@ -78,12 +78,12 @@ TEST_F(CudaMachineWorlds, worlds_that_do_not_fit_into_memory_are_searched_in_hal
             Detector detector({.backend = Backend::cuda, .memory_limit = limit});
             try {
                 const Intersections& found = detector.find(world(), query);
-                ASSERT_TRUE(same_world_answer(found, expected)) << limit;
+                ASSERT_TRUE(same_world_result(found, expected)) << limit;
                 EXPECT_LE(found.statistics.peak_memory_bytes, limit);
             } catch (const Error& error) {
                 ASSERT_EQ(error.code, ErrorCode::memory_limit);
                 sufficient_limit({.backend = Backend::cuda, .memory_limit = limit}, [&](Detector& enough) {
-                    EXPECT_TRUE(same_world_answer(enough.find(world(), query), expected));
+                    EXPECT_TRUE(same_world_result(enough.find(world(), query), expected));
                 });
                 break;
             }
@@ -100,10 +100,10 @@ TEST_F(CudaMachineWorlds, failed_allocation_or_launch_does_not_change_result) {
             SCOPED_TRACE(testing::Message() << "wants " << static_cast<int>(output) << ", after " << before);
             Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});
             settings().allocations_before_failure = before;
-            EXPECT_TRUE(same_world_answer(first.find(world(), query), expected));
+            EXPECT_TRUE(same_world_result(first.find(world(), query), expected));
             settings().allocations_before_failure = -1;
             settings().launches_before_failure = before;
-            EXPECT_TRUE(same_world_answer(second.find(world(), query), expected));
+            EXPECT_TRUE(same_world_result(second.find(world(), query), expected));
             settings().launches_before_failure = -1;
         }
     }

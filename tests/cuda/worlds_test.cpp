@@ -76,7 +76,7 @@ TEST(CudaWorlds, hard_soups_match_the_cpu) {
                                                 << ", weld " << weld);
                 const IntersectionQuery query{.output = output, .weld = weld};
                 const World world{shapes, bodies, {}};
-                EXPECT_TRUE(same_world_answer(cuda.find(world, query), cpu.find(world, query)));
+                EXPECT_TRUE(same_world_result(cuda.find(world, query), cpu.find(world, query)));
             }
     }
 }
@@ -93,7 +93,7 @@ TEST(CudaWorlds, large_world_is_searched_in_a_pass_of_its_own) {
     const World world{shapes, bodies, {}};
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     const Intersections& found = cuda.find(world);
-    EXPECT_TRUE(same_world_answer(found, cpu.find(world)));
+    EXPECT_TRUE(same_world_result(found, cpu.find(world)));
     EXPECT_LT(found.statistics.leaves, 80) << "small worlds are a leaf each";
 }
 

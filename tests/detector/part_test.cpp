@@ -254,13 +254,13 @@ TEST(Part, levels_are_as_few_as_possible) {
 
 TEST(Part, shares_are_proportional_and_fit) {
     const std::vector<std::int64_t> points{1000, 0, 3000, 10};
-    const std::vector<int> shares = distribute_centres(84, 64, points);
+    const std::vector<int> shares = distribute_parts(84, 64, points);
     EXPECT_EQ(std::accumulate(shares.begin(), shares.end(), 0), 84);
     EXPECT_NEAR(shares[0], 20, 2);
     EXPECT_EQ(shares[1], 1);
     EXPECT_NEAR(shares[2], 60, 3);
     EXPECT_EQ(shares[3], 1);
-    EXPECT_EQ(distribute_centres(128, 64, std::vector<std::int64_t>{5, 0}), (std::vector<int>{64, 64}));
+    EXPECT_EQ(distribute_parts(128, 64, std::vector<std::int64_t>{5, 0}), (std::vector<int>{64, 64}));
 }
 
 // Parts are checked before use, since they may come from elsewhere.

@@ -82,7 +82,7 @@ testing::AssertionResult same_in_world(const World& world, Distribution how, int
                                        const DistributedOptions& options = for_bodies()) {
     Detector one({.backend = Backend::cpu, .threads = 1});
     const Intersections expected = one.find(world, query);
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const WorldPiece piece(world, how, transport.rank(), ranks);
         RankDetector detector(transport, options);
@@ -123,7 +123,7 @@ TEST(RankBodies, without_ids_bodies_are_numbered_rank_by_rank) {
     Detector one({.backend = Backend::cpu, .threads = 1});
     const Intersections expected = one.find(world->view());
     ASSERT_GT(expected.count, 0);
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(3, [&](Transport& transport) {
         const WorldPiece piece(world->view(), Distribution::blocks, transport.rank(), 3);
         WorldShare share = piece.share();
@@ -142,7 +142,7 @@ TEST(RankBodies, moving_bodies_need_coordinates_only) {
         for (std::size_t b = 0; b < worlds.back()->poses.size(); ++b)
             worlds.back()->poses[b].rows[7] += 0.02 * frame * static_cast<double>(b % 3);
     }
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         Detector one({.backend = Backend::cpu, .threads = 1});
         WorldPiece piece(worlds[0]->view(), Distribution::round_robin, transport.rank(), ranks);
@@ -197,7 +197,7 @@ TEST(RankBodies, impacts_and_proximities_match_a_single_detector) {
         const Proximities nearby = one.find(world, near);
         rows += impacts.count + nearby.count;
         const int ranks = rank_counts[seed % 4];
-        Verdicts verdicts;
+        RankFailures verdicts;
         run_ranks(ranks, [&](Transport& transport) {
             const int rank = transport.rank();
             const WorldPiece piece(world, every_distribution[seed / 4 % 4], rank, ranks);
@@ -228,7 +228,7 @@ TEST(RankBodies, changed_triangles_of_the_same_number_are_noticed) {
     const std::vector<Body> bodies(3, Body{.self = true});
     ProximityQuery near;
     near.radius = 0.2;
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(2, [&](Transport& transport) {
         RankDetector detector(transport, for_bodies());
         Detector one({.backend = Backend::cpu, .threads = 1});
@@ -290,64 +290,65 @@ std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, s
 }
 
 TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
-    using Share = WorldShare;
+    using LocalMesh = WorldShare;
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
+                  [](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
                       if (rank == 1) piece.ids[0] = 0, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 0),
               "rank 0: body 0 is brought 2 times");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
+                  [](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
                       if (rank == 0) piece.ids[0] = 1, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 0),
               "rank 0: body 0 is missing: no rank brings it");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
+                  [](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
                       if (rank == 2) piece.ids[1] = 6, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 6),
               "rank 2: body 1 has the id 6, but ids are 0 to 5");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, Share& share, IntersectionQuery&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece&, LocalMesh& share, IntersectionQuery&) {
                   if (rank == 2) share.body_ids = {};
               }),
               "rank 2: another rank gives body ids, and this one has none");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, Share& share, IntersectionQuery&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece&, LocalMesh& share, IntersectionQuery&) {
                   if (rank == 1) share.body_ids = share.body_ids.first(1);
               }),
               "rank 1: there are 1 body ids for 2 bodies");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
+                  [](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
                       if (rank == 1) piece.poses[1].rows[3] = 1e300, share = piece.share();
                   },
                   ErrorCode::not_finite, 4),
               "rank 1: body 1: vertex 0 is posed to infinity (body 4 over all ranks)");
-    EXPECT_EQ(refused([](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
                   if (rank == 2) piece.bodies[1].world = 1, share = piece.share();
               }),
               "rank 2: body 1: its world must be 0, for ranks share one world (body 5 over all ranks)");
-    EXPECT_EQ(refused([](int rank, WorldPiece& piece, Share& share, IntersectionQuery&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
                   static const std::vector<Edge> edges{{0, 1}};
                   if (rank == 1) piece.shapes[0].edges = edges, share = piece.share();
               }),
               "rank 1: body 0: ranks do not read a shape's list of edges or points (body 1 over all ranks)");
-    EXPECT_EQ(
-        refused([](int, WorldPiece&, Share&, IntersectionQuery& query) { query.filter.groups = PairScope::within; }),
-        "rank 0: rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
+    EXPECT_EQ(refused([](int, WorldPiece&, LocalMesh&, IntersectionQuery& query) {
+                  query.filter.groups = PairScope::within;
+              }),
+              "rank 0: rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
     EXPECT_EQ(refused(
-                  [](int, WorldPiece&, Share&, IntersectionQuery& query) {
+                  [](int, WorldPiece&, LocalMesh&, IntersectionQuery& query) {
                       query.filter.excluded_bodies = {{0, 6}};
                   },
                   ErrorCode::invalid_argument, 6),
               "rank 0: excluded_bodies names body 6 of 6");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, Share&, IntersectionQuery& query) {
+    EXPECT_EQ(refused([](int rank, WorldPiece&, LocalMesh&, IntersectionQuery& query) {
                   if (rank == 2) query.filter.excluded_bodies = {{0, 1}};
               }),
               "rank 0: the ranks ask different questions, or have different options");
-    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& query) { query.index = true; }),
+    EXPECT_EQ(refused([](int, WorldPiece&, LocalMesh&, IntersectionQuery& query) { query.index = true; }),
               "rank 0: index must be false: ranks have no offsets by body");
-    EXPECT_EQ(refused([](int, WorldPiece&, Share&, IntersectionQuery& query) { query.containment = true; }),
+    EXPECT_EQ(refused([](int, WorldPiece&, LocalMesh&, IntersectionQuery& query) { query.containment = true; }),
               "rank 0: containment must be false: ranks find the surfaces that meet");
 }
 

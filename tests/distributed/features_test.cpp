@@ -32,7 +32,7 @@ testing::AssertionResult same_impacts(const Step& step, Distribution how, int ra
                                       const DistributedOptions& options = single_thread()) {
     Detector one({.backend = Backend::cpu});
     const Impacts expected = one.find(step.start.view().moving_to(step.end_view()), query);
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece start(step.start, how, rank, ranks), end(step.end, how, rank, ranks);
@@ -56,7 +56,7 @@ testing::AssertionResult same_near(const WholeMesh& mesh, Distribution how, int 
                                    const DistributedOptions& options = single_thread()) {
     Detector one({.backend = Backend::cpu});
     const Proximities expected = one.find(mesh.view(), query);
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece piece(mesh, how, rank, ranks);
@@ -127,7 +127,7 @@ TEST(RankFeatures, queries_may_alternate_while_the_scene_moves) {
         steps.emplace_back(mesh, 0.02 * (f % 3 + 1));
         mesh.vertices = steps.back().end.vertices;
     }
-    Verdicts verdicts;
+    RankFailures verdicts;
     int moved = 0;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
@@ -169,7 +169,7 @@ TEST(RankFeatures, vertex_that_a_rank_lists_twice_is_owned_once) {
     const ProximityQuery query{.radius = 10};
     const Proximities& expected = one.find(mesh.view(), query);
     ASSERT_GT(expected.count, 0);
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(1, [&](Transport& transport) {
         RankDetector detector(transport, single_thread());
         verdicts.add(0, rows_are(detector.find(MeshShare{listed.view(), {}, ids}, query), {0, 1}, expected, mesh));

@@ -45,7 +45,7 @@ testing::AssertionResult same_as_one(const WholeMesh& mesh, Distribution how, in
                                      const IntersectionQuery& query = {},
                                      const DistributedOptions& options = one_thread()) {
     const Intersections expected = result_of_one(mesh, query);
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece piece(mesh, how, rank, ranks);
@@ -129,7 +129,7 @@ TEST(Ranks, few_or_no_triangles_match_a_single_detector) {
 TEST(Ranks, ids_may_be_omitted_if_ranks_share_no_vertices) {
     const Soup<float> soup = random_soup<float>(300, 0.3);
     const Intersections expected = result_of_one(WholeMesh(soup));
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(3, [&](Transport& transport) {
         const int rank = transport.rank();
         const std::int32_t begin = 100 * rank;
@@ -173,7 +173,7 @@ TEST(Ranks, moving_scene_matches_a_single_detector) {
         expected.push_back(result_of_one(meshes[static_cast<std::size_t>(f)]));
     }
     for (const Distribution how : {Distribution::blocks, Distribution::random}) {
-        Verdicts verdicts;
+        RankFailures verdicts;
         int moved = 0;
         run_ranks(ranks, [&](Transport& transport) {
             const int rank = transport.rank();
@@ -220,7 +220,7 @@ TEST(Ranks, triangles_may_move_between_parts) {
             meshes.push_back(mingled(soup, f / (frames - 1.0), unit));
             expected.push_back(result_of_one(meshes.back()));
         }
-        Verdicts verdicts;
+        RankFailures verdicts;
         int moved = 0;
         run_ranks(2, [&](Transport& transport) {
             WholeMesh now = meshes[0];
@@ -242,20 +242,20 @@ TEST(Ranks, triangles_may_move_between_parts) {
 
 /// Time of a pretended clock, of each rank (thread). Each reading advances it by time_of_search.
 thread_local double time_now = 0, time_of_search = 0;
-double pretended_time() { return time_now += time_of_search; }
+double fake_clock() { return time_now += time_of_search; }
 
 TEST(Ranks, parts_move_away_from_a_slow_rank) {
     const WholeMesh mesh(wavy_sheet<float>(24));
     const Intersections expected = result_of_one(mesh);
     constexpr int ranks = 3;
     std::vector<std::vector<int>> parts(ranks);
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         time_of_search = rank == 0 ? 100 : 1;
         const MeshPiece piece(mesh, Distribution::blocks, rank, ranks);
         RankDetector detector(transport, one_thread(9));
-        detector.set_clock(pretended_time);
+        detector.set_clock(fake_clock);
         for (int frame = 0; frame < 4; ++frame) {
             const DistributedIntersections& found = detector.find(piece.share());
             verdicts.add(rank, rows_are(found, piece.triangle_ids, expected));
@@ -271,7 +271,7 @@ TEST(Ranks, parts_move_away_from_a_slow_rank) {
 TEST(Ranks, progress_shows_each_phase_and_part_once) {
     constexpr int ranks = 3;
     const WholeMesh mesh(wavy_sheet<float>(20));
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const MeshPiece piece(mesh, Distribution::round_robin, transport.rank(), ranks);
         RankDetector detector(transport, one_thread(9, 1024));  // small batches: members and capacities alternate
@@ -335,7 +335,7 @@ TEST(Ranks, changed_triangles_groups_owners_and_precision_are_noticed) {
         {&wide, Distribution::blocks, &all},          {&mesh, Distribution::blocks, &all}};
     std::vector<Intersections> expected;
     for (const Step& step : steps) expected.push_back(result_of_one(*step.mesh, *step.query));
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(3, [&](Transport& transport) {
         const int rank = transport.rank();
         RankDetector detector(transport, one_thread());
@@ -354,7 +354,7 @@ TEST(Ranks, float64_on_one_rank_is_used_on_all) {
     WholeMesh mesh(narrow), wide = mesh;
     wide.vertices = std::vector<double>(std::get<0>(mesh.vertices).begin(), std::get<0>(mesh.vertices).end());
     const Intersections expected = result_of_one(wide, {.output = Output::contacts});
-    Verdicts verdicts;
+    RankFailures verdicts;
     run_ranks(3, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece piece(rank == 1 ? wide : mesh, Distribution::random, rank, 3);

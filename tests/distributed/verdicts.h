@@ -8,7 +8,7 @@
 namespace crumple::test {
 
 /// Thread-safe list of the failures of ranks, which are threads: these must not use GoogleTest's expectations.
-class Verdicts {
+class RankFailures {
    public:
     void add(int rank, const testing::AssertionResult& result) {
         const std::lock_guard lock(mutex_);

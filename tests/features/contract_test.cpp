@@ -300,7 +300,7 @@ TEST(FeatureCalls, results_do_not_depend_on_earlier_calls) {
             const ProximityQuery filtered{
                 .radius = 0.1, .rings = 1 + round, .rest = soup.end_view(), .rest_radius = 0.05};
             ASSERT_TRUE(same_features(warm.find(soup.view(), filtered), fresh.find(soup.view(), filtered)));
-            ASSERT_TRUE(same_answer(warm.find(soup.view()), fresh.find(soup.view())));
+            ASSERT_TRUE(same_result(warm.find(soup.view()), fresh.find(soup.view())));
             std::vector<Shape> shapes{Shape(soup.view())};
             shapes[0].end = soup.end_view();
             const std::vector<Body> bodies{

@@ -18,7 +18,7 @@ Inflation inflation_of(const MinDistance& separation) {
     scene.low = {-0.75, -0.75, -0.75};
     scene.high = {0.75, 0.75, 0.75};
     const SceneFeatures features(nullptr);
-    const GroupFilter rule;
+    const SceneFilter rule;
     return cpu::inflation_of(
         scene, {.distance = separation.distance, .share = separation.share, .features = features, .rule = rule});
 }

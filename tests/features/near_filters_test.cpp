@@ -368,12 +368,12 @@ TYPED_TEST(NearFilterAgreement, equal_radii_are_like_one_radius) {
 }
 
 /// The contract applied literally to a list of all pairs within a radius larger than the scene.
-struct Oracle {
+struct LiteralContract {
     const MovingSoup<>& soup;
     const ProximityQuery& query;
     std::set<Edge> edges;
 
-    Oracle(const MovingSoup<>& s, const ProximityQuery& q) : soup(s), query(q) {
+    LiteralContract(const MovingSoup<>& s, const ProximityQuery& q) : soup(s), query(q) {
         for (const auto& corner : soup.triangles)
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::int32_t a = corner[k], b = corner[(k + 1) % 3];
@@ -429,7 +429,7 @@ TEST(NearFiltersOfTheReference, reference_follows_the_contract) {
                                    .rings = static_cast<std::int32_t>(seed % 3),
                                    .rest = soup.end_view(),
                                    .rest_radius = 0.5 * draw.below(4)};
-        const Oracle oracle(soup, query);
+        const LiteralContract oracle(soup, query);
         const Proximities all = reference().find(soup.view(), ProximityQuery{.radius = 100});
         const Proximities& found = reference().find(soup.view(), query);
         std::array<std::vector<Pair>, feature_kinds> expected;

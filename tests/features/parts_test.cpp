@@ -27,11 +27,12 @@ ProximityQuery of_part(const ProximityQuery& query) {
 }
 
 template <class Result, class Query>
-void expect_union(const Result& whole, const std::vector<Part>& parts, const Query& query, Detector& elsewhere) {
+void expect_union(const Result& whole, const std::vector<Part>& parts, const Query& query,
+                  Detector& searching_detector) {
     Result joined, expected = whole;
     FirstImpact first;
     for (const Part& part : parts) {
-        const Result& found = find_in(elsewhere, part, of_part(query));
+        const Result& found = find_in(searching_detector, part, of_part(query));
         joined.count += found.count;
         joined.any = joined.any || found.any;
         for (std::size_t k = 0; k < joined.lists.size(); ++k) {
@@ -58,12 +59,12 @@ void expect_union(const Result& whole, const std::vector<Part>& parts, const Que
     }
 }
 
-Detector& at_home() {
+Detector& partitioning_detector() {
     static Detector detector({.backend = Backend::cpu, .threads = 2, .leaf_size = 40});
     return detector;
 }
 // Detector that searches the parts, on the tested backend.
-Detector& elsewhere() {
+Detector& searching_detector() {
     static Detector detector({.backend = tested_backend, .threads = 1, .clusters = 3, .leaf_size = 10});
     return detector;
 }
@@ -74,19 +75,19 @@ Detector& by_brute_force() {
 
 template <class Soup>
 std::vector<Part> partition(const Soup& soup, const ImpactQuery& query, int count) {
-    return at_home().partition(soup.view().moving_to(soup.end_view()), query, count);
+    return partitioning_detector().partition(soup.view().moving_to(soup.end_view()), query, count);
 }
 template <class Soup>
 std::vector<Part> partition(const Soup& soup, const ProximityQuery& query, int count) {
-    return at_home().partition(soup.view(), query, count);
+    return partitioning_detector().partition(soup.view(), query, count);
 }
 template <class Soup>
 Impacts whole(const Soup& soup, const ImpactQuery& query) {
-    return at_home().find(soup.view().moving_to(soup.end_view()), query);
+    return partitioning_detector().find(soup.view().moving_to(soup.end_view()), query);
 }
 template <class Soup>
 Proximities whole(const Soup& soup, const ProximityQuery& query) {
-    return at_home().find(soup.view(), query);
+    return partitioning_detector().find(soup.view(), query);
 }
 
 constexpr std::int64_t most_for_brute_force = 400;
@@ -100,7 +101,7 @@ void expect_union(const Soup& soup, const Query& query) {
         SCOPED_TRACE(testing::Message() << count << " parts");
         const std::vector<Part> parts = partition(soup, query, count);
         ASSERT_EQ(parts.size(), static_cast<std::size_t>(count));
-        expect_union(all, parts, query, elsewhere());
+        expect_union(all, parts, query, searching_detector());
         if (count > 1 && count < 10 && all.count < most_for_brute_force)
             expect_union(all, parts, query, by_brute_force());
         if (testing::Test::HasFailure()) return;
@@ -113,7 +114,7 @@ class PartsOfFeatures : public testing::Test {
     template <class Work>
     void for_each_soup(double part, Work work) {
         unsigned seed = 0;
-        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(share_of_soups * part * more_or_less(10) / 10)) {
+        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(share_of_soups * part * scaled_rounds(10) / 10)) {
             SCOPED_TRACE(move.name);
             work(move, seed++);
             if (this->HasFailure()) return;
@@ -198,7 +199,7 @@ TEST(PartOfFeatures, offsets_and_least_distances_follow_the_lists_of_the_part) {
         const Proximities all = whole(soup, query);
         std::vector<double> least(soup.start.size(), std::numeric_limits<double>::infinity());
         for (const Part& part : partition(soup, query, 5)) {
-            const Proximities& found = elsewhere().find(part, query);
+            const Proximities& found = searching_detector().find(part, query);
             const PartFeatures& features = *part.features;
             ASSERT_EQ(found.vertex_distance.size(), features.vertices.size());
             ASSERT_EQ(found.edge_distance.size(), features.edges.size());
@@ -220,18 +221,18 @@ TEST(PartOfFeatures, parts_outlive_the_mesh) {
     ASSERT_GT(all.count, 50);
     const std::vector<Part> parts = partition(soup, ImpactQuery{}, 3);
     soup = {};
-    expect_union(all, parts, ImpactQuery{}, elsewhere());
+    expect_union(all, parts, ImpactQuery{}, searching_detector());
 }
 
 TEST(PartOfFeatures, output_may_be_first_or_any) {
     const auto soup = moving_grid(6, 40, 30, 3);
     for (const Part& part : partition(soup, ImpactQuery{}, 3)) {
-        const Impacts all = elsewhere().find(part, ImpactQuery());
-        const Impacts& first = elsewhere().find(part, ImpactQuery{.output = Output::first});
+        const Impacts all = searching_detector().find(part, ImpactQuery());
+        const Impacts& first = searching_detector().find(part, ImpactQuery{.output = Output::first});
         EXPECT_TRUE(first.first == all.first);
         EXPECT_EQ(first.world_first.size(), 1u);
         EXPECT_TRUE(first.vertex_faces().pairs.empty());
-        const Impacts& any = elsewhere().find(part, ImpactQuery{.output = Output::any});
+        const Impacts& any = searching_detector().find(part, ImpactQuery{.output = Output::any});
         EXPECT_EQ(any.any, all.count > 0);
         EXPECT_TRUE(any.world_hit.empty());
     }
@@ -241,25 +242,27 @@ TEST(PartOfFeatures, output_may_be_first_or_any) {
 TEST(PartOfFeatures, smaller_distances_may_be_queried) {
     const auto soup = moving_grid(5, 60, 70, 6);
     const auto parts = partition(soup, ImpactQuery{.min_distance = 1, .min_distance_share = 0.3}, 5);
-    expect_union(whole(soup, ImpactQuery{.min_distance = 0.25}), parts, ImpactQuery{.min_distance = 0.25}, elsewhere());
+    expect_union(whole(soup, ImpactQuery{.min_distance = 0.25}), parts, ImpactQuery{.min_distance = 0.25},
+                 searching_detector());
     const auto static_parts = partition(soup, ProximityQuery{.radius = 1}, 5);
-    expect_union(whole(soup, ProximityQuery{.radius = 0.5}), static_parts, ProximityQuery{.radius = 0.5}, elsewhere());
+    expect_union(whole(soup, ProximityQuery{.radius = 0.5}), static_parts, ProximityQuery{.radius = 0.5},
+                 searching_detector());
 }
 
 std::string message(const Part& part, const ImpactQuery& query) {
-    return error_of([&] { elsewhere().find(part, query); }).what();
+    return error_of([&] { searching_detector().find(part, query); }).what();
 }
 std::string message(const Part& part, const ProximityQuery& query) {
-    return error_of([&] { elsewhere().find(part, query); }).what();
+    return error_of([&] { searching_detector().find(part, query); }).what();
 }
 
 TEST(PartOfFeatures, unsuitable_queries_are_rejected) {
     const auto soup = moving_grid(5, 30, 20, 6);
     const Part moving = partition(soup, ImpactQuery{.min_distance = 1}, 2)[0];
     const Part static_part = partition(soup, ProximityQuery{.radius = 1, .rings = 1}, 2)[0];
-    const Part plain = at_home().partition(soup.view(), {}, 2)[0];
+    const Part plain = partitioning_detector().partition(soup.view(), {}, 2)[0];
     EXPECT_EQ(message(plain, ImpactQuery{}), "the part was not made for a query about features");
-    EXPECT_EQ(error_of([&] { elsewhere().find(moving); }).what(),
+    EXPECT_EQ(error_of([&] { searching_detector().find(moving); }).what(),
               std::string("the part was made for a query about features"));
     EXPECT_EQ(message(moving, ProximityQuery{}), "the part was made for a question about motion");
     EXPECT_EQ(message(static_part, ImpactQuery{}), "the part was made for a question about nearness");
@@ -294,7 +297,7 @@ TEST(PartOfFeatures, inconsistent_parts_are_rejected) {
     const auto refused = [&](const char* what, auto change) {
         Part bad = good;
         change(bad, *bad.features);
-        const Error error = error_of([&] { elsewhere().find(bad, ImpactQuery()); });
+        const Error error = error_of([&] { searching_detector().find(bad, ImpactQuery()); });
         EXPECT_TRUE(error.code == ErrorCode::invalid_argument || error.code == ErrorCode::index_out_of_range) << what;
     };
     refused("no ends", [](Part&, PartFeatures& f) { f.end = std::vector<double>(); });

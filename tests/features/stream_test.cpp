@@ -78,7 +78,7 @@ class StreamOfFeatures : public testing::Test {
    protected:
     template <class Work>
     void for_each_soup(double part, Work work) {
-        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(part * more_or_less(10) / 10)) {
+        for (const NamedMove<Scalar>& move : moving_soups<Scalar>(part * scaled_rounds(10) / 10)) {
             SCOPED_TRACE(move.name);
             work(move);
             if (this->HasFailure()) return;

@@ -36,7 +36,7 @@ std::vector<Verdict> decide_on_device(const std::vector<TrianglePair>& pairs, In
     return output.values();
 }
 
-const int rounds = more_or_less(4'000);
+const int rounds = scaled_rounds(4'000);
 
 TEST_F(Device, decides_as_the_host_does) {
     for (const Kind kind : all_kinds) {
@@ -124,7 +124,7 @@ CRUMPLE_HD FilterResult filter_result(const Leaf& leaf) {
     FilterResult result{};
     result.verdict = filter_pair(first, second, {}, points, reach);
     result.ball = ball_of(to_float(points[leaf.id[0]]), to_float(points[leaf.id[1]]), to_float(points[leaf.id[2]]));
-    result.joins = joins(dot(a.low, a.low), 1.0f, result.ball.r, bisector_extent(b.high));
+    result.joins = joins(dot(a.low, a.low), 1.0f, result.ball.r, bisector_radius_factor(b.high));
     return result;
 }
 

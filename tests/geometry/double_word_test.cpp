@@ -18,7 +18,7 @@ void expect_near(DoubleWord computed, const Rational& exact, double relative, co
 TEST(DoubleWord, ErrorsStayWithinTheBoundsThatContactsRelyOn) {
     std::mt19937_64 engine(3);
     std::uniform_real_distribution<double> number(-1, 1);
-    for (int i = 0; i < more_or_less(20'000); ++i) {
+    for (int i = 0; i < scaled_rounds(20'000); ++i) {
         DoubleWord x = two_sum(number(engine), number(engine) * 0x1p-53);
         DoubleWord y = two_sum(number(engine), number(engine) * 0x1p-53);
         if (i % 4 == 0) y = two_sum(-x.high, number(engine) * 0x1p-54);  // cancels

@@ -39,7 +39,7 @@ void expect_proper(const Expansion<N>& e) {
 
 TEST(Expansion, sums_and_products_of_two_numbers_are_exact) {
     Numbers number;
-    for (int i = 0; i < more_or_less(20'000); ++i) {
+    for (int i = 0; i < scaled_rounds(20'000); ++i) {
         const double a = number(), b = i % 2 ? number() : number.rounded();
         ASSERT_EQ(value(two_sum(a, b)), Rational(a) + Rational(b)) << a << " + " << b;
         ASSERT_EQ(value(two_product(a, b)), Rational(a) * Rational(b)) << a << " * " << b;
@@ -51,7 +51,7 @@ TEST(Expansion, sums_and_products_of_two_numbers_are_exact) {
 
 TEST(Expansion, holds_sums_differences_and_products_exactly) {
     Numbers number;
-    for (int i = 0; i < more_or_less(5'000); ++i) {
+    for (int i = 0; i < scaled_rounds(5'000); ++i) {
         const auto next = [&] { return i % 2 ? number() : number.rounded(); };
         const Expansion<2> a = exact_difference(next(), next()), b = exact_difference(next(), next());
         const auto sum = a + b, difference = a - b;

@@ -31,7 +31,7 @@ class PredicatesOfEachKind : public testing::TestWithParam<Kind> {
    protected:
     int rounds() const {
         const bool far = GetParam() == Kind::mixed || GetParam() == Kind::huge || GetParam() == Kind::tiny;
-        return more_or_less(far ? 300 : 5'000);
+        return scaled_rounds(far ? 300 : 5'000);
     }
     RandomPairs random{GetParam(), 11};
 };

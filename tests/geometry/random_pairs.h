@@ -49,7 +49,7 @@ enum class Kind {
 
 /// Returns the number of pairs that a test draws: fewer where rational arithmetic, the reference, is slow.
 inline int rounds_of(Kind kind, int usual) {
-    return more_or_less(kind == Kind::mixed ? 100 : kind == Kind::huge || kind == Kind::tiny ? usual / 4 : usual);
+    return scaled_rounds(kind == Kind::mixed ? 100 : kind == Kind::huge || kind == Kind::tiny ? usual / 4 : usual);
 }
 inline constexpr std::array all_kinds{Kind::random,
                                       Kind::random_float,

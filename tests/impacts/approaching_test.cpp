@@ -111,7 +111,7 @@ struct Tally {
 };
 
 void check(const Move& move, Tally& tally) {
-    const SeparatedMove query{move, {.distance = 1e30, .approaching_only = true}};
+    const MinDistanceMove query{move, {.distance = 1e30, .approaching_only = true}};
     const Impact exact = query.impact();
     const FilteredImpact quick = quickly(move);
     ++(quick.verdict == Certainty::unknown ? tally.unknown

@@ -12,7 +12,7 @@
 namespace crumple {
 namespace {
 
-const int rounds = more_or_less(150);
+const int rounds = scaled_rounds(150);
 
 /// Calls `check` with many moves, and fails unless some of each kind meet and some do not.
 template <class Check>

@@ -16,7 +16,7 @@ namespace {
 
 FeatureKinds kinds_of(Feature feature) { return static_cast<FeatureKinds>(feature); }
 
-FilteredImpact quickly(const SeparatedMove& query) {
+FilteredImpact quickly(const MinDistanceMove& query) {
     const auto& points = query.move.point;
     switch (query.move.feature) {
         case Feature::vertex_face:
@@ -38,7 +38,7 @@ struct Tally {
 };
 
 /// Fails if float64 is certain of a wrong verdict.
-void check(const SeparatedMove& query, Tally& tally) {
+void check(const MinDistanceMove& query, Tally& tally) {
     const FilteredImpact quick = quickly(query);
     if (quick.verdict == Certainty::unknown) {
         ++tally.unknown;
@@ -56,7 +56,7 @@ double neighbour(double x, int n) {
 }
 
 template <class Change>
-void change_positions(SeparatedMove& query, Change change) {
+void change_positions(MinDistanceMove& query, Change change) {
     for (MovingPoint& p : query.move.point) {
         for (int axis = 0; axis < 3; ++axis) {
             p.start[axis] = change(p.start[axis]);
@@ -104,7 +104,7 @@ TEST(QuickSeparation, decides_nearly_all_moves_in_general_position) {
         RandomMoves random(Lattice::wide, 53);
         Tally tally;
         for (int i = 0; i < 800; ++i) {
-            SeparatedMove query = separated(random, Lattice::wide, feature);
+            MinDistanceMove query = separated(random, Lattice::wide, feature);
             change_positions(query, [&](double x) { return x + 1e-3 * random.below(1000); });
             check(query, tally);
         }
@@ -122,7 +122,7 @@ TEST(QuickSeparation, is_right_within_a_few_ulps_of_the_distance) {
             RandomMoves random(lattice, 59);
             Tally tally;
             for (int i = 0; i < 250; ++i) {
-                SeparatedMove query{random(feature), {}};
+                MinDistanceMove query{random(feature), {}};
                 const double t = random.below(9) / 8.0, distance = distance_at(query.move, t);
                 query.separation.distance = neighbour(distance, random.below(7) - 3);
                 if (random.below(2) == 0 && distance > 0) {
@@ -147,7 +147,7 @@ TEST(QuickSeparation, is_right_far_from_the_origin) {
             RandomMoves random(lattice, 61);
             Tally tally;
             for (int i = 0; i < 150; ++i) {
-                SeparatedMove query = separated(random, lattice, feature);
+                MinDistanceMove query = separated(random, lattice, feature);
                 const int share = 1 + random.below(24), far = random.below(3);
                 change_positions(query, [&](double x) {
                     if (far > 0) x += far == 1 ? 0x1p10 : -0x1p40;
@@ -167,7 +167,7 @@ TEST(QuickSeparation, is_right_where_it_underflows_or_overflows) {
             RandomMoves random(Lattice::small, 67);
             Tally tally;
             for (int i = 0; i < 25; ++i) {
-                SeparatedMove query = separated(random, Lattice::small, feature);
+                MinDistanceMove query = separated(random, Lattice::small, feature);
                 change_positions(query, [&](double x) { return neighbour(std::ldexp(x, exponent), random.below(2)); });
                 query.separation.distance = std::ldexp(query.separation.distance, exponent + random.below(3) - 1);
                 check(query, tally);
@@ -182,7 +182,7 @@ TEST(QuickSeparation, is_right_for_mixed_magnitudes) {
         RandomMoves random(Lattice::wide, 71);
         Tally tally;
         for (int i = 0; i < 200; ++i) {
-            SeparatedMove query = separated(random, Lattice::wide, feature);
+            MinDistanceMove query = separated(random, Lattice::wide, feature);
             const int spread = 1 + random.below(60);
             const auto stretched = [&](double x) { return std::ldexp(x, random.below(2 * spread) - spread); };
             change_positions(query, stretched);
@@ -198,7 +198,7 @@ TEST(QuickSeparation, is_undecided_for_nan_and_infinity) {
     RandomMoves random(Lattice::wide, 73);
     for (const Feature feature : all_features) {
         for (const double x : {infinity, -infinity, std::numeric_limits<double>::quiet_NaN()}) {
-            SeparatedMove query = separated(random, Lattice::wide, feature);
+            MinDistanceMove query = separated(random, Lattice::wide, feature);
             query.move.point[static_cast<std::size_t>(random.below(2))].end.y = x;
             EXPECT_EQ(quickly(query).verdict, Certainty::unknown) << query;
         }
@@ -209,7 +209,7 @@ TEST(SurelyFarther, is_never_true_of_edges_that_come_close) {
     RandomMoves random(Lattice::wide, 79);
     int farther = 0, none = 0;
     for (int i = 0; i < 1'000; ++i) {
-        const SeparatedMove query = separated(random, Lattice::wide, Feature::edge_edge);
+        const MinDistanceMove query = separated(random, Lattice::wide, Feature::edge_edge);
         const Impact impact = edge_edge(query.move.point[0], query.move.point[1], query.move.point[2],
                                         query.move.point[3], MinDistance{query.separation.distance, 0});
         const bool surely = surely_farther<FeatureKinds::edge_edge>(query.move.point, query.separation.distance);
@@ -227,7 +227,7 @@ TEST(DecideSeparation, is_exact) {
             RandomMoves random(lattice, 83);
             MinDistanceCounts counts;
             for (int i = 0; i < 60; ++i) {
-                const SeparatedMove query = separated(random, lattice, feature);
+                const MinDistanceMove query = separated(random, lattice, feature);
                 ASSERT_EQ(decide_min_distance(kinds_of(feature), query.move.point, query.separation, counts),
                           query.impact())
                     << query;

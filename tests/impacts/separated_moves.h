@@ -17,7 +17,7 @@ inline std::ostream& operator<<(std::ostream& out, const MinDistance& separation
     return out;
 }
 
-struct SeparatedMove {
+struct MinDistanceMove {
     Move move;
     MinDistance separation;
 
@@ -36,14 +36,14 @@ struct SeparatedMove {
         return vertex_vertex(p, q, separation);
     }
 
-    friend std::ostream& operator<<(std::ostream& out, const SeparatedMove& query) {
+    friend std::ostream& operator<<(std::ostream& out, const MinDistanceMove& query) {
         return out << query.move << ", " << query.separation;
     }
 };
 
 /// Returns a random move and a minimum distance: a distance of the size of the coordinates, a share of the initial
 /// distance, or both.
-inline SeparatedMove separated(RandomMoves& random, Lattice lattice, Feature feature) {
+inline MinDistanceMove separated(RandomMoves& random, Lattice lattice, Feature feature) {
     const Move move = random(feature);
     const double unit = lattice == Lattice::wide ? 8 : 1;
     constexpr double distances[] = {0.25, 0.5, 1, 1, 1.5, 2, 3, 0.1};

@@ -83,7 +83,7 @@ struct Sample {
 
 class Bisection {
    public:
-    explicit Bisection(const SeparatedMove& query) : first_(query.move.feature == Feature::edge_edge ? 2 : 1) {
+    explicit Bisection(const MinDistanceMove& query) : first_(query.move.feature == Feature::edge_edge ? 2 : 1) {
         for (std::size_t i = 0; i < points_of(query.move.feature); ++i) {
             start_.push_back(scaled(query.move.point[i].start, 0));
             step_.push_back(scaled(query.move.point[i].end, 0) - start_.back());
@@ -148,7 +148,7 @@ TEST_P(BisectedSeparation, is_found_at_the_same_time) {
     for (const Lattice lattice : all_lattices) {
         RandomMoves random(lattice, 41);
         for (int i = 0; i < 40; ++i, ++all) {
-            const SeparatedMove query = separated(random, lattice, GetParam());
+            const MinDistanceMove query = separated(random, lattice, GetParam());
             const Impact impact = query.impact();
             const auto found = Bisection(query).first_not_free();
             ASSERT_EQ(impact.meets, found.has_value()) << query;
@@ -172,7 +172,7 @@ TEST_P(BisectedSeparation, times_that_are_fractions_are_exact) {
     for (const Lattice lattice : {Lattice::tiny, Lattice::flat, Lattice::line}) {
         RandomMoves random(lattice, 43);
         for (int i = 0; i < 150; ++i) {
-            const SeparatedMove query = separated(random, lattice, GetParam());
+            const MinDistanceMove query = separated(random, lattice, GetParam());
             const Impact impact = query.impact();
             const Bisection bisection(query);
             for (int q = 1; q <= largest; ++q) {
@@ -202,7 +202,7 @@ TEST_P(BisectedSeparation, approaching_only_finds_features_nearer_than_at_the_st
     for (const Lattice lattice : all_lattices) {
         RandomMoves random(lattice, 59);
         for (int i = 0; i < 60; ++i, ++all) {
-            SeparatedMove query{random(GetParam()), {.distance = 1e6, .approaching_only = true}};
+            MinDistanceMove query{random(GetParam()), {.distance = 1e6, .approaching_only = true}};
             const Bisection bisection(query);
             const Fraction begin = bisection.at(0, 1).distance();
             const Impact impact = query.impact();

@@ -12,7 +12,7 @@
 namespace crumple {
 namespace {
 
-const int rounds = more_or_less(100);
+const int rounds = scaled_rounds(100);
 
 /// Calls `check` with many moves. Fails unless, for each kind of features, some come within the minimum distance after
 /// the start, and others never.
@@ -23,7 +23,7 @@ void for_separated(std::uint64_t seed, Check check) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, seed);
             for (int i = 0; i < rounds; ++i, ++all) {
-                const SeparatedMove query = separated(random, lattice, feature);
+                const MinDistanceMove query = separated(random, lattice, feature);
                 const Impact impact = query.impact();
                 hits += impact.meets;
                 later += impact.toi > 0;
@@ -37,13 +37,13 @@ void for_separated(std::uint64_t seed, Check check) {
 }
 
 template <class Change>
-SeparatedMove with_positions(SeparatedMove query, Change change) {
+MinDistanceMove with_positions(MinDistanceMove query, Change change) {
     for (MovingPoint& p : query.move.point) p = {change(p.start), change(p.end)};
     return query;
 }
 
 TEST(MinDistance, of_zero_is_an_impact) {
-    for_separated(3, [](SeparatedMove query, const Impact&) {
+    for_separated(3, [](MinDistanceMove query, const Impact&) {
         query.separation = {};
         const Impact impact = query.move.impact();
         ASSERT_EQ(query.impact(), impact) << query;
@@ -53,7 +53,7 @@ TEST(MinDistance, of_zero_is_an_impact) {
 }
 
 TEST(MinDistance, comes_no_later_for_more_distance) {
-    for_separated(5, [](SeparatedMove query, const Impact& impact) {
+    for_separated(5, [](MinDistanceMove query, const Impact& impact) {
         Impact closer = impact;
         for (int i = 0; i < 3; ++i) {
             query.separation.distance += 0.5;
@@ -70,8 +70,8 @@ TEST(MinDistance, comes_no_later_for_more_distance) {
 }
 
 TEST(MinDistance, is_the_earlier_of_distance_and_share) {
-    for_separated(7, [](const SeparatedMove& query, const Impact& impact) {
-        SeparatedMove distance = query, share = query;
+    for_separated(7, [](const MinDistanceMove& query, const Impact& impact) {
+        MinDistanceMove distance = query, share = query;
         distance.separation.share = 0;
         share.separation.distance = 0;
         const Impact one = distance.impact(), other = share.impact();
@@ -81,7 +81,7 @@ TEST(MinDistance, is_the_earlier_of_distance_and_share) {
 }
 
 TEST(MinDistance, does_not_depend_on_the_order_of_points) {
-    for_separated(11, [](const SeparatedMove& query, const Impact& impact) {
+    for_separated(11, [](const MinDistanceMove& query, const Impact& impact) {
         const auto& [p, q, r, s] = query.move.point;
         const MinDistance& separation = query.separation;
         if (query.move.feature == Feature::vertex_face) {
@@ -100,10 +100,10 @@ TEST(MinDistance, does_not_depend_on_the_order_of_points) {
 }
 
 TEST(MinDistance, does_not_depend_on_the_axes) {
-    for_separated(13, [](const SeparatedMove& query, const Impact& impact) {
+    for_separated(13, [](const MinDistanceMove& query, const Impact& impact) {
         ASSERT_EQ(with_positions(query, [](Vec3d p) { return Vec3d{p.y, -p.z, p.x}; }).impact(), impact) << query;
         // Turned and scaled by 3, 4, 5, so that distances are 5 times as long.
-        SeparatedMove turned = with_positions(query, [](Vec3d p) {
+        MinDistanceMove turned = with_positions(query, [](Vec3d p) {
             return Vec3d{3 * p.x - 4 * p.y, 4 * p.x + 3 * p.y, 5 * p.z};
         });
         if (query.separation.distance == 0.1) return;  // the product would be rounded
@@ -113,9 +113,9 @@ TEST(MinDistance, does_not_depend_on_the_axes) {
 }
 
 TEST(MinDistance, does_not_depend_on_the_unit) {
-    for_separated(17, [](const SeparatedMove& query, const Impact& impact) {
+    for_separated(17, [](const MinDistanceMove& query, const Impact& impact) {
         for (const double unit : {0x1p-900, 0x1p-3, 0x1p900}) {
-            SeparatedMove scaled = with_positions(query, [&](Vec3d p) { return unit * p; });
+            MinDistanceMove scaled = with_positions(query, [&](Vec3d p) { return unit * p; });
             scaled.separation.distance *= unit;
             ASSERT_EQ(scaled.impact(), impact) << query << " by " << unit;
         }
@@ -123,18 +123,18 @@ TEST(MinDistance, does_not_depend_on_the_unit) {
 }
 
 TEST(MinDistance, does_not_depend_on_the_origin) {
-    for_separated(19, [](const SeparatedMove& query, const Impact& impact) {
+    for_separated(19, [](const MinDistanceMove& query, const Impact& impact) {
         const Vec3d shift{0x1p40, -1e6, 0.25};
         ASSERT_EQ(with_positions(query, [&](Vec3d p) { return p + shift; }).impact(), impact) << query;
-        SeparatedMove moving = query;
+        MinDistanceMove moving = query;
         for (MovingPoint& p : moving.move.point) p.end = p.end + shift;
         ASSERT_EQ(moving.impact(), impact) << query;
     });
 }
 
 TEST(MinDistance, of_half_the_move_comes_at_twice_the_time) {
-    for_separated(23, [](const SeparatedMove& query, const Impact& impact) {
-        SeparatedMove half = query;
+    for_separated(23, [](const MinDistanceMove& query, const Impact& impact) {
+        MinDistanceMove half = query;
         for (MovingPoint& p : half.move.point) p.end = 0.5 * (p.start + p.end);
         const Impact first = half.impact();
         if (impact.meets && impact.toi < 0.5) {
@@ -147,8 +147,8 @@ TEST(MinDistance, of_half_the_move_comes_at_twice_the_time) {
 }
 
 TEST(MinDistance, is_reached_if_the_reversed_move_reaches_it) {
-    for_separated(29, [](const SeparatedMove& query, const Impact&) {
-        SeparatedMove forward = query, back = query;
+    for_separated(29, [](const MinDistanceMove& query, const Impact&) {
+        MinDistanceMove forward = query, back = query;
         forward.separation.share = back.separation.share = 0;  // a share refers to the distance at the start
         for (MovingPoint& p : back.move.point) std::swap(p.start, p.end);
         const Impact first = forward.impact(), last = back.impact();
@@ -158,7 +158,7 @@ TEST(MinDistance, is_reached_if_the_reversed_move_reaches_it) {
 }
 
 TEST(MinDistance, of_smaller_features_is_that_of_collapsed_ones) {
-    for_separated(31, [](const SeparatedMove& query, const Impact& impact) {
+    for_separated(31, [](const MinDistanceMove& query, const Impact& impact) {
         const auto& [p, q, r, s] = query.move.point;
         const MinDistance& separation = query.separation;
         if (query.move.feature == Feature::vertex_edge) {
@@ -175,7 +175,7 @@ TEST(MinDistance, of_smaller_features_is_that_of_collapsed_ones) {
 
 TEST(MinDistance, of_an_edge_is_that_of_its_halves) {
     // The midpoint of the edge moves on a straight line, too.
-    for_separated(37, [](const SeparatedMove& query, const Impact&) {
+    for_separated(37, [](const MinDistanceMove& query, const Impact&) {
         if (query.move.feature != Feature::vertex_edge) return;
         const auto& [p, q, r, s] = query.move.point;
         const MinDistance separation{query.separation.distance};

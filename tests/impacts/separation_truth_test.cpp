@@ -69,7 +69,7 @@ TEST_P(SeparationTruth, of_zero_is_an_impact) {
     const auto impacts = *read_impacts(step());
     const std::size_t every = impacts.size() < 1000 ? 1 : 150;
     for (std::size_t i = 0; i < impacts.size(); i += every)
-        EXPECT_EQ((SeparatedMove{impacts[i].move, {}}).impact(), impacts[i].impact) << impacts[i].move;
+        EXPECT_EQ((MinDistanceMove{impacts[i].move, {}}).impact(), impacts[i].impact) << impacts[i].move;
 }
 
 TEST_P(SeparationTruth, starts_at_the_exact_distance) {
@@ -102,7 +102,7 @@ TEST_P(SeparationTruth, float64_impacts_match_to_the_last_bit) {
             later += impact.meets;
             // Rational arithmetic is slow.
             if (i % 20 == 0) {
-                EXPECT_EQ(impact, (SeparatedMove{move, separation}).impact()) << move << separation;
+                EXPECT_EQ(impact, (MinDistanceMove{move, separation}).impact()) << move << separation;
             }
         }
     }

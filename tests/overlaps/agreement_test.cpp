@@ -96,7 +96,7 @@ TEST_P(OverlapAgreement, holds_for_t_junctions_with_degenerate_faces) {
         SCOPED_TRACE(seed);
         ClosedBodies bodies = closed_bodies(seed, 2, true, false);
         for (std::size_t b = 0; b < bodies.soups.size(); ++b) {
-            test::put_a_triangle_into_an_edge(bodies.soups[b]);
+            test::add_t_junction(bodies.soups[b]);
             bodies.shapes[b] = Shape(bodies.soups[b].view());
         }
         compare(bodies.view(), {.weld = true, .gradient = true, .curves = true, .windings = true});

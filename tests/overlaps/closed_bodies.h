@@ -76,7 +76,7 @@ inline ClosedBodies closed_bodies(unsigned seed, int bodies, bool grid, bool pos
 }
 
 /// Makes a T-junction: a degenerate triangle between the first edge and its two halves.
-inline void put_a_triangle_into_an_edge(Soup<double>& soup) {
+inline void add_t_junction(Soup<double>& soup) {
     const auto [a, b, c] = soup.triangles[0];
     const auto middle = static_cast<std::int32_t>(soup.vertices.size());
     std::array<double, 3> p{};

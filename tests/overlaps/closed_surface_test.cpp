@@ -124,7 +124,7 @@ TEST(ClosedSurface, steps_along_the_forest_reproduce_winding_numbers) {
         WindingSteps steps;
         const auto& first = mesh.surface.components();
         for (std::size_t c = 0; c + 1 < first.size(); ++c)
-            steps.add(first[c], first[c + 1], of(mesh.surface.vertex_at(first[c])));
+            steps.add(first[c], first[c + 1], of(mesh.surface.vertex_at_place(first[c])));
         for (std::int32_t t = 0; t < 2 * n; ++t) {
             const std::int32_t* c = mesh.surface.corners(t);
             EdgeJumps jumps;
@@ -137,7 +137,7 @@ TEST(ClosedSurface, steps_along_the_forest_reproduce_winding_numbers) {
             for (std::int32_t p = interval.begin; p < interval.end; ++p)
                 found[static_cast<std::size_t>(p)] = interval.winding;
         for (std::int32_t p = 0; p < mesh.surface.places(); ++p)
-            ASSERT_EQ(found[static_cast<std::size_t>(p)], of(mesh.surface.vertex_at(p)));
+            ASSERT_EQ(found[static_cast<std::size_t>(p)], of(mesh.surface.vertex_at_place(p)));
     }
 }
 

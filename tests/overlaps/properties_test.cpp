@@ -104,7 +104,7 @@ class OverlapProperties : public testing::TestWithParam<bool> {
     /// Calls check(a, b) for pairs of bodies, on a grid if the test's parameter is true.
     template <class Check>
     void for_pairs(int count, Check check) {
-        for (unsigned seed = 0; seed < static_cast<unsigned>(more_or_less(count)); ++seed) {
+        for (unsigned seed = 0; seed < static_cast<unsigned>(scaled_rounds(count)); ++seed) {
             SCOPED_TRACE(seed);
             const test::ClosedBodies bodies = test::closed_bodies(500 + seed, 2, GetParam(), false);
             check(bodies.soups[0], bodies.soups[1]);

@@ -56,7 +56,7 @@ Soup small_body(Dice& dice) {
             default:
                 test::add_tetrahedron(dice, true, 0, soup);
         }
-    if (dice.chance(0.1)) test::put_a_triangle_into_an_edge(soup);
+    if (dice.chance(0.1)) test::add_t_junction(soup);
     if (dice.chance(0.5))
         for (auto& p : soup.vertices)
             for (double& x : p) x = std::min(x, grid - 1.0);
@@ -82,7 +82,7 @@ TEST(OverlapSmallCases, have_the_bytes_of_rational_arithmetic) {
     Detector cpu(Options{.backend = Backend::cpu, .threads = 1}), reference(Options{.backend = Backend::reference});
     const OverlapQuery query{.weld = true, .gradient = true, .curves = true, .windings = true};
     Figures figures;
-    const int cases = more_or_less(1000);
+    const int cases = scaled_rounds(1000);
     for (int seed = 0; seed < cases; ++seed) {
         Dice dice(static_cast<unsigned>(seed));
         const Soup a = small_body(dice), b = small_body(dice);

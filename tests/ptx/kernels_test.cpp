@@ -46,7 +46,7 @@ class KernelsByTheirPtx : public testing::Test {
         for (const IntersectionKind intersections : {IntersectionKind::all, IntersectionKind::proper}) {
             const IntersectionQuery query{.output = Output::contacts, .kind = intersections};
             const Intersections& found = cuda_.find(mesh, query);
-            EXPECT_TRUE(same_answer(found, cpu_.find(mesh, query)));
+            EXPECT_TRUE(same_result(found, cpu_.find(mesh, query)));
             exact_tests_ += found.statistics.exact_tests;
             contacts_ += found.statistics.pairs;
         }
@@ -87,7 +87,7 @@ TEST_F(KernelsByTheirPtx, hard_soups_match_the_cpu) {
         SCOPED_TRACE(scene.name);
         expect_same(scene.mesh.view());
     }
-    for (int seed = 10; seed < 10 + more_or_less(3); ++seed) {
+    for (int seed = 10; seed < 10 + scaled_rounds(3); ++seed) {
         SCOPED_TRACE(seed);
         expect_same(grid_soup(3 + seed % 4, 40, 60, static_cast<std::uint64_t>(seed)).mesh<double>(1. / 3).view());
         expect_same(random_soup<double>(80, 0.8, static_cast<unsigned>(seed)).view());
@@ -101,7 +101,7 @@ TEST_F(KernelsByTheirPtx, hard_motions_and_distances_match_the_cpu) {
         SCOPED_TRACE(move.name);
         if (move.unit < 1e300) expect_same(move.soup, move.unit);
     }
-    for (unsigned seed = 1; seed <= static_cast<unsigned>(more_or_less(1)); ++seed) {
+    for (unsigned seed = 1; seed <= static_cast<unsigned>(scaled_rounds(1)); ++seed) {
         SCOPED_TRACE(seed);
         expect_same(moving_grid(5, 60, 60, seed), 1);
         expect_same(changed<double>(moving_through_a_line(40, 40, seed), [](double x) { return x / 3; }), 1);
@@ -113,7 +113,7 @@ TEST_F(KernelsByTheirPtx, hard_motions_and_distances_match_the_cpu) {
 
 // Codimensional edges and points, which belong to no triangle, are decided by separate kernels.
 TEST_F(KernelsByTheirPtx, codimensional_features_match_the_cpu) {
-    for (unsigned seed = 1; seed <= static_cast<unsigned>(more_or_less(3)); ++seed) {
+    for (unsigned seed = 1; seed <= static_cast<unsigned>(scaled_rounds(3)); ++seed) {
         SCOPED_TRACE(seed);
         MovingSoup<> soup = moving_grid(4, 60, 20, seed);
         soup.edges.emplace();

@@ -44,7 +44,7 @@ std::vector<std::string_view> words(std::string_view text) {
 }
 
 // Returns the text without comments and without line information for debuggers.
-std::string without_remarks(const std::string& text) {
+std::string without_comments(const std::string& text) {
     std::string kept;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -264,12 +264,12 @@ class Decoder {
         if (const auto bytes = register_bytes_.find(made.slot[0]); bytes != register_bytes_.end())
             made.register_bytes = bytes->second;
         if (name.starts_with("ld.") || name.starts_with("st."))
-            name = without_places(name);
+            name = without_state_spaces(name);
         else if (has_vectors)
             name += shape;
     }
     // Removes state spaces and memory orders: all memory is on the host, and only one thread uses it.
-    static std::string without_places(const std::string& name) {
+    static std::string without_state_spaces(const std::string& name) {
         std::string kept;
         for (const std::string_view part : split(name, '.')) {
             if (part == "global" || part == "local" || part == "param" || part == "const" || part == "nc" ||
@@ -325,7 +325,7 @@ class Decoder {
     std::map<std::ptrdiff_t, std::string> targets_;  ///< label of each branch, by the index of its instruction
 };
 
-Program::Program(std::string text) : text_(without_remarks(text)) {
+Program::Program(std::string text) : text_(without_comments(text)) {
     std::string_view rest = text_;
     while (!(rest = trimmed(rest)).empty()) {
         if (rest.starts_with(".version") || rest.starts_with(".target") || rest.starts_with(".address_size")) {

@@ -109,8 +109,8 @@ TEST(Cut, new_points_begin_on_their_edge) {
     const std::array cuts{Cut{wave, -5, -1}, Cut{wave, -5, 2}};
     const CutFabric none = cut(whole, {}), some = cut(whole, std::span(cuts.data(), 1)),
                     more = cut(whole, std::span(&cuts[1], 1));
-    go_on_with(solver, none, some);
-    go_on_with(solver, some, more);
+    switch_fabric(solver, none, some);
+    switch_fabric(solver, some, more);
     ASSERT_EQ(solver.points.size(), more.fabric.flat.size());
     for (std::size_t i = 0; i < solver.points.size(); ++i) {
         const auto [u, v] = more.fabric.flat[i];
@@ -193,7 +193,7 @@ TEST(ClothSolver, stays_outside_bodies) {
         }
         return nearest;
     };
-    Ball ball;
+    MovingBall ball;
     ball.centre = {0, 0, 6.5};
     ball.radius = 5;
     for (const int frame : {10, 40, 93}) EXPECT_GT(farther("cloth_on_ball", frame, ball), 0) << frame;

@@ -103,7 +103,7 @@ struct Run {
         if (scene.moving) return state;
         records.sort(tables.intersect, sorted);
         const IntersectionQuery query;
-        const GroupFilter all;
+        const SceneFilter all;
         NarrowScratch narrow(nullptr);
         sweep_and_narrow({scene, query, all, tables.stages, tables.intersect, rows(), cancellation}, sorted, records,
                          ownership, 0, sorted.rows, narrow);
@@ -121,7 +121,7 @@ StageState run_stages(const Tables& tables, const PreparedScene& scene, const Op
     workers.run([&] {
         SceneFeatures features(nullptr);
         Inflation inflation;
-        const GroupFilter rule;
+        const SceneFilter rule;
         if (scene.moving) {
             ParallelFor serial;
             features.prepare(scene, false, serial);

@@ -75,8 +75,8 @@ class StagesOfPass : public IntersectionPass {
         plan.units = plan.survivors = plan.undecided = plan.beyond = plan.hits = 64 * n * n;
         MemoryMeter meter;
         Block kept(meter), work(meter);
-        place_arrays(kept, [&](Cutter& c) { warm_starts.cut(c, plan); });
-        place_arrays(work, [&](Cutter& c) { cut(c); });
+        place_arrays(kept, [&](ArenaLayout& c) { warm_starts.cut(c, plan); });
+        place_arrays(work, [&](ArenaLayout& c) { cut(c); });
         pass_once();
         if (warm_) {
             beside = &branch_;
@@ -99,7 +99,8 @@ class StagesOfPass : public IntersectionPass {
         subdivide_clusters(~std::uint64_t{0});
         align();
         sort_members(geometry_, stream_, scene, points_, plan.leaves(), members_of(last_level()),
-                     members_[last_level()], frames(), ownership(), sorted_, AtRest{}, NoRecords{}, units(), counters);
+                     members_[last_level()], frames(), ownership(), sorted_, StaticTriangle{}, NoRecords{}, units(),
+                     counters);
         cuda::sweep(geometry_, stream_, scene, sorted_, units(), ownership(), wanted, KeepAll{},
                     {survivors_, &counters->survivors, plan.survivors}, {}, counters);
         if (plan.warm_started) branch_.join(stream_);
@@ -112,9 +113,9 @@ class StagesOfPass : public IntersectionPass {
     void search(test::StageState& state) {
         policy = policy_of(Neighbours::geometric, IntersectionKind::all);
         MemoryMeter meter;
-        Answer answer(geometry_, stream_, meter);
+        ResultOnDevice answer(geometry_, stream_, meter);
         Block storage(meter);
-        place_arrays(storage, [&](Cutter& c) { answer.cut(c, scene, plan.hits); });
+        place_arrays(storage, [&](ArenaLayout& c) { answer.cut(c, scene, plan.hits); });
         BatchedClear batch;
         batch.add(counters->members, sizeof *counters - offsetof(Counters, members));
         batch.add(&counters->units, sizeof counters->units);

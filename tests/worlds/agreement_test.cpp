@@ -16,7 +16,7 @@ namespace {
 
 using test::random_query;
 using test::random_world;
-using test::same_world_answer;
+using test::same_world_result;
 
 const unsigned seeds = test::played ? 4 : 40;
 
@@ -37,7 +37,7 @@ class Worlds : public testing::TestWithParam<Backend> {
             for (Shape& shape : shapes)
                 if (shape.name != 0) shape.name += 1000 * (seed + 1);
             const World view{shapes, world->bodies, world->poses};
-            ASSERT_TRUE(same_world_answer(detector.find(view, query), reference_.find(view, query)));
+            ASSERT_TRUE(same_world_result(detector.find(view, query), reference_.find(view, query)));
         }
     }
 };
@@ -98,7 +98,7 @@ TEST_P(Worlds, shapes_up_to_the_largest_numbers_match_brute_force) {
                     SCOPED_TRACE(testing::Message() << size << " named " << name << " scaled by " << scale);
                     const World world{shapes, bodies, poses};
                     const IntersectionQuery query{.output = output};
-                    ASSERT_TRUE(same_world_answer(detector_.find(world, query), reference_.find(world, query)));
+                    ASSERT_TRUE(same_world_result(detector_.find(world, query), reference_.find(world, query)));
                 }
             }
         }

@@ -20,7 +20,7 @@ inline std::set<Row> rows_of(const Intersections& c) {
 }
 
 /// Compares complete results of worlds: pairs as sets, so that a failure lists them, everything else byte by byte.
-inline testing::AssertionResult same_world_answer(const Intersections& found, const Intersections& expected) {
+inline testing::AssertionResult same_world_result(const Intersections& found, const Intersections& expected) {
     const std::set<Row> ours = rows_of(found), theirs = rows_of(expected);
     std::ostringstream text;
     const auto list = [&](const char* what, const std::set<Row>& in, const std::set<Row>& not_in) {

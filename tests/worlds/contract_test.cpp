@@ -172,7 +172,7 @@ TEST(World, named_odd_shapes_match_brute_force) {
         const Intersections& expected = reference.find(World{shapes, bodies, poses}, {.output = output});
         ASSERT_EQ(expected.world_hit.size(), 4u);
         EXPECT_TRUE(expected.world_hit[0] && expected.world_hit[1] && expected.world_hit[2]);
-        EXPECT_TRUE(test::same_world_answer(detector.find(World{shapes, bodies, poses}, {.output = output}), expected));
+        EXPECT_TRUE(test::same_world_result(detector.find(World{shapes, bodies, poses}, {.output = output}), expected));
     }
 }
 
@@ -186,7 +186,7 @@ TEST(World, named_and_unnamed_shapes_match_a_fresh_detector) {
         const IntersectionQuery query = test::random_query(seed, 6);
         const World view{shapes, world->bodies, world->poses};
         Detector fresh({.threads = 1});
-        ASSERT_TRUE(test::same_world_answer(lasting.find(view, query), fresh.find(view, query))) << seed;
+        ASSERT_TRUE(test::same_world_result(lasting.find(view, query), fresh.find(view, query))) << seed;
     }
 }
 
@@ -219,7 +219,7 @@ TEST(World, many_worlds_give_the_same_result_under_a_limit) {
     const Intersections& found = limited.find(world, query);
     EXPECT_GE(found.count, 20'000);
     EXPECT_LE(found.statistics.peak_memory_bytes, 1 << 28);
-    EXPECT_TRUE(test::same_world_answer(found, free.find(world, query)));
+    EXPECT_TRUE(test::same_world_result(found, free.find(world, query)));
 }
 
 TEST(World, blocks_hold_all_rows) {
@@ -337,7 +337,7 @@ TEST(World, swapped_results_outlive_the_detector) {
         detector.swap_result(spare);
         detector.find(World{shapes, bodies, {}}, query);
     }
-    EXPECT_TRUE(test::same_world_answer(taken, expected));
+    EXPECT_TRUE(test::same_world_result(taken, expected));
     EXPECT_TRUE(same_bytes(taken.world_offsets, expected.world_offsets, "offsets of worlds"));
     EXPECT_TRUE(same_bytes(taken.body_offsets, expected.body_offsets, "offsets of bodies"));
     EXPECT_TRUE(same_bytes(taken.hit, expected.hit, "hit flags"));

@@ -39,10 +39,10 @@ class CpuBackend final : public BackendBase {
             try {
                 IntersectCall call = make_call(scene, query, part);
                 PairBudget budget(scene, query, meter_);
-                const auto told = [&](const NarrowScratch& scratch, std::size_t before) {
+                const auto count_new_pairs = [&](const NarrowScratch& scratch, std::size_t before) {
                     budget.add(static_cast<std::int64_t>(scratch.pairs.size() - before));
                 };
-                const PairSink sink = told;
+                const PairSink sink = count_new_pairs;
                 if (meter_.limit > 0) call.sink = &sink;
                 cpu::find(call, result);
             } catch (const ResultExceeds&) {
@@ -80,14 +80,14 @@ class CpuBackend final : public BackendBase {
     void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) override {
         result.clear();
         statistics_ = {};
-        workers_.run([&] { cpu::find(make_call(scene, request), request, kept_->features, result); });
+        workers_.run([&] { cpu::find(make_call(scene, request), request, cached_->features, result); });
         result.statistics = statistics_;
     }
 
     void stream(const PreparedScene& scene, const FeatureRequest& request, FeatureStream& to,
                 Statistics& statistics) override {
         statistics_ = {};
-        workers_.run([&] { cpu::stream(make_call(scene, request), request, kept_->features, to); });
+        workers_.run([&] { cpu::stream(make_call(scene, request), request, cached_->features, to); });
         statistics = statistics_;
     }
 
@@ -99,12 +99,12 @@ class CpuBackend final : public BackendBase {
 
     void swap_memory(std::unique_ptr<SceneMemory>& memory) override {
         if (!memory) memory = std::make_unique<SceneCache>();
-        std::swap(static_cast<SceneCache&>(*memory).centres, kept_->buffers.warm);
+        std::swap(static_cast<SceneCache&>(*memory).centres, cached_->buffers.warm);
     }
 
     void release() override {
-        kept_.reset();
-        kept_ = std::make_unique<Kept>(&meter_, workers_.workers(), intersect_, features_, candidates_);
+        cached_.reset();
+        cached_ = std::make_unique<Cached>(&meter_, workers_.workers(), intersect_, features_, candidates_);
     }
 
    private:
@@ -112,15 +112,15 @@ class CpuBackend final : public BackendBase {
         WarmCentres centres;
     };
     /// Data cached between calls.
-    struct Kept {
-        Kept(MemoryMeter* m, int workers, const IntersectKernels& kernels, const FeatureTables& features,
-             const CandidateKernels& candidates)
+    struct Cached {
+        Cached(MemoryMeter* m, int workers, const IntersectKernels& kernels, const FeatureTables& features,
+               const CandidateKernels& candidates)
             : rule(m),
               buffers(m, workers),
               leaves(m, workers, kernels),
               output(m),
               features(m, workers, features, candidates) {}
-        GroupFilter rule;
+        SceneFilter rule;
         Buffers buffers;
         IntersectLeaves leaves;
         OutputScratch output;
@@ -128,7 +128,7 @@ class CpuBackend final : public BackendBase {
     };
 
     IntersectCall make_call(const PreparedScene& scene, const IntersectionQuery& query, const Part* part) {
-        Kept& k = *kept_;
+        Cached& k = *cached_;
         k.rule.prepare(query.filter, scene.bodies);
         return {{scene, k.rule, Levels(part), options_, kernels_, workers_, *this, cancellation_, meter_, k.buffers,
                  statistics_, k.leaves},
@@ -137,7 +137,7 @@ class CpuBackend final : public BackendBase {
                 k.output};
     }
     Call make_call(const PreparedScene& scene, const FeatureRequest& request) {
-        Kept& k = *kept_;
+        Cached& k = *cached_;
         Call call{scene,     request.rule,  Levels(request.part),
                   options_,  kernels_,      workers_,
                   *this,     cancellation_, meter_,
@@ -171,7 +171,7 @@ class CpuBackend final : public BackendBase {
     Cancellation& cancellation_;
     Workers workers_;
     MemoryMeter& meter_;
-    std::unique_ptr<Kept> kept_;
+    std::unique_ptr<Cached> cached_;
     Statistics statistics_;
     std::int64_t too_many_ =
         std::numeric_limits<std::int64_t>::max();  ///< triangles of the smallest scene that has exceeded the memory

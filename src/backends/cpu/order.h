@@ -16,7 +16,7 @@ namespace crumple::cpu {
 /// Request, settings and resources of one call.
 struct Call {
     const PreparedScene& scene;
-    const GroupFilter& rule;
+    const SceneFilter& rule;
     Levels levels;  ///< levels of subdivision above the scene, if it is a part of a larger one
     const Options& options;
     const StageKernels& kernels;

@@ -34,9 +34,9 @@ class Workers {
    public:
 #ifdef CRUMPLE_STD_THREADS
     Workers(const Options& options, Cancellation& cancellation)
-        : lent_(options.executor ? options.executor : std::make_shared<StdThreads>(options.threads)),
+        : executor_(options.executor ? options.executor : std::make_shared<StdThreads>(options.threads)),
           cancellation_(cancellation) {}
-    int workers() const { return lent_->concurrency(); }
+    int workers() const { return executor_->concurrency(); }
     bool nests() const { return false; }
 
     template <class Function>
@@ -50,20 +50,20 @@ class Workers {
 #else
     /// Starts the threads at once. If the first call had to start them, it would take a third longer in a small scene.
     Workers(const Options& options, Cancellation& cancellation)
-        : lent_(options.executor),
+        : executor_(options.executor),
           arena_(options.threads > 0 ? std::min(options.threads, allowed()) : tbb::task_arena::automatic),
           cancellation_(cancellation) {
-        if (!lent_ && workers() > 1) arena_.enqueue([] {});
+        if (!executor_ && workers() > 1) arena_.enqueue([] {});
     }
-    int workers() const { return lent_ ? lent_->concurrency() : arena_.max_concurrency(); }
+    int workers() const { return executor_ ? executor_->concurrency() : arena_.max_concurrency(); }
 
     /// True if a task may start a parallel loop.
-    bool nests() const { return !lent_; }
+    bool nests() const { return !executor_; }
 
     /// Runs `function` inside the arena. Parallel loops must be called from there.
     template <class Function>
     void run(Function function) {
-        if (lent_)
+        if (executor_)
             function();
         else
             arena_.execute(function);
@@ -74,7 +74,7 @@ class Workers {
     /// untouched.
     template <class Task>
     void parallel_for(std::size_t n, Task task) {
-        if (lent_) {
+        if (executor_) {
             parallel_for_lent(n, task);
             return;
         }
@@ -117,7 +117,7 @@ class Workers {
         if (n == 1)
             guarded(0, 0);  // wakes no other thread
         else if (n > 1)
-            lent_->parallel_for(n, guarded);
+            executor_->parallel_for(n, guarded);
         if (failure) std::rethrow_exception(failure);
     }
 
@@ -129,7 +129,7 @@ class Workers {
     }
 #endif
 
-    std::shared_ptr<Executor> lent_;
+    std::shared_ptr<Executor> executor_;
 #ifndef CRUMPLE_STD_THREADS
     tbb::task_arena arena_;
 #endif

@@ -34,7 +34,7 @@ struct Decisions {
     Pair* beyond;
     Count* unresolved_count;
 
-    void cut(Cutter& c) {
+    void cut(ArenaLayout& c) {
         collides = c.take<Count>(2 * case_count);
         found = c.take<Count>(1);
         beyond = c.take<Pair>(case_count);
@@ -47,17 +47,17 @@ struct FeatureResults {
     FeatureHits hits;
     FeatureTest* open[kinds];
     Count* open_count;
-    OpenTest* beyond;
+    UnresolvedTest* beyond;
     Count* unresolved_count;
 
-    void cut(Cutter& c) {
+    void cut(ArenaLayout& c) {
         for (std::size_t k = 0; k <= feature_kinds; ++k)
             hits.firsts.base[k] = static_cast<std::uint32_t>(std::min(k, kinds) * case_count);
         hits.list = {c.take<RankedHit>(kinds * case_count), c.take<Count>(1), kinds * case_count};
         hits.by_first = c.take<Count>(kinds * case_count);
         for (FeatureTest*& list : open) list = c.take<FeatureTest>(case_count);
         open_count = c.take<Count>(feature_kinds);
-        beyond = c.take<OpenTest>(kinds * case_count);
+        beyond = c.take<UnresolvedTest>(kinds * case_count);
         unresolved_count = c.take<Count>(1);
     }
 };
@@ -76,7 +76,7 @@ struct Arrays {
     ContactArrays contacts;
     FeatureResults features[queries];
 
-    void cut(Cutter& c) {
+    void cut(ArenaLayout& c) {
         start = c.take<Vec3d>(6 * case_count);
         end = c.take<Vec3d>(6 * case_count);
         corners = c.take<std::int32_t>(6 * case_count);
@@ -241,11 +241,11 @@ std::string find_difference_from_host(const Device& device, cudaStream_t stream)
     MemoryMeter unlimited;
     Block block(unlimited);
     Arrays on_device;
-    place_arrays(block, [&](Cutter& c) { on_device.cut(c); });
+    place_arrays(block, [&](ArenaLayout& c) { on_device.cut(c); });
     std::vector<std::uint64_t> memory(block.capacity() / sizeof(std::uint64_t));
     auto* const image = reinterpret_cast<std::byte*>(memory.data());
     Arrays on_host;
-    Cutter cutter(image);
+    ArenaLayout cutter(image);
     on_host.cut(cutter);
     write_cases(on_host);
     auto* const copy = reinterpret_cast<std::byte*>(on_device.start);  // the first array, so the start of the block

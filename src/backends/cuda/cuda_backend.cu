@@ -43,8 +43,8 @@ class CudaBackend final : public BackendBase {
     ~CudaBackend() override {
         const CaptureMode relaxed(cudaStreamCaptureModeRelaxed);  // else waiting would invalidate captures
         try {
-            state_.flights.finish();  // launches in flight write to memory that is freed now
-        } catch (...) {               // the device has failed
+            state_.launches_in_flight.finish();  // launches in flight write to memory that is freed now
+        } catch (...) {                          // the device has failed
         }
     }
 
@@ -81,7 +81,7 @@ class CudaBackend final : public BackendBase {
     void find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) override {
         features_.find(scene, request, result);
     }
-    DeviceFeatureCalls& device_feature_search() override { return features_; }
+    DeviceFeatureCalls& device_feature_calls() override { return features_; }
 
     bool any(const PreparedScene& scene, const IntersectionQuery& query) override {
         return on_device(
@@ -97,7 +97,7 @@ class CudaBackend final : public BackendBase {
         on_device(
             [&] {
                 bring(scene);
-                finder_.adopt(query);
+                finder_.copy_from(query);
                 finder_.flag_worlds(flags);
                 statistics = finder_.statistics();
             },
@@ -144,7 +144,7 @@ class CudaBackend final : public BackendBase {
         const auto other = b ? static_cast<cudaStream_t>(b->stream) : stream;
         const auto bind = [&](std::size_t slot, Growth growth) {
             finder_.view(slot, a, b, query.weld, growth);
-            finder_.adopt(query, growth);
+            finder_.copy_from(query, growth);
         };
         return launch(stream, other, bind, false);
     }
@@ -156,7 +156,7 @@ class CudaBackend final : public BackendBase {
                 throw Error(ErrorCode::invalid_argument,
                             "a launch takes at most 65535 worlds, and 16777216 triangles together");
             finder_.pose(slot, bodies, world.device_poses, query.weld, query.output >= Output::pairs, growth);
-            finder_.adopt(query, growth);
+            finder_.copy_from(query, growth);
         };
         return launch(stream, stream, bind, true);
     }
@@ -216,7 +216,7 @@ class CudaBackend final : public BackendBase {
 
    private:
     void find(const IntersectionQuery& query, Intersections& result) {
-        finder_.adopt(query);
+        finder_.copy_from(query);
         finder_.find();
         finder_.copy_to(result);
         result.statistics = finder_.statistics();
@@ -239,7 +239,7 @@ class CudaBackend final : public BackendBase {
     }
 
     bool any(const IntersectionQuery& query) {
-        finder_.adopt(query);
+        finder_.copy_from(query);
         return finder_.any();
     }
 
@@ -252,7 +252,7 @@ class CudaBackend final : public BackendBase {
         MemoryMeter unlimited;
         Block block(unlimited);
         Counters* counters = nullptr;
-        place_arrays(block, [&](Cutter& c) { counters = c.take<Counters>(1); });
+        place_arrays(block, [&](ArenaLayout& c) { counters = c.take<Counters>(1); });
         fill(stream, counters, 0, sizeof *counters);
         reserve_exact_stack(state_.geometry, stream, counters);
         reserve_contact_stack(state_.geometry, stream);

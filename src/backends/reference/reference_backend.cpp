@@ -18,13 +18,14 @@
 namespace crumple {
 namespace {
 
-struct Box {
+struct TriangleBox {
     Vec3d low, high;
 
-    explicit Box(const std::array<Vec3d, 3>& p) : low(min(p[0], min(p[1], p[2]))), high(max(p[0], max(p[1], p[2]))) {}
+    explicit TriangleBox(const std::array<Vec3d, 3>& p)
+        : low(min(p[0], min(p[1], p[2]))), high(max(p[0], max(p[1], p[2]))) {}
 };
 
-bool overlap(const Box& a, const Box& b) {
+bool overlap(const TriangleBox& a, const TriangleBox& b) {
     return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
            a.low.z <= b.high.z && b.low.z <= a.high.z;
 }
@@ -110,8 +111,8 @@ class Reference final : public BackendBase {
     }
 
     void release() override {
-        rule_ = GroupFilter(&meter_);
-        boxes_ = Array<Box>(&meter_);
+        rule_ = SceneFilter(&meter_);
+        boxes_ = Array<TriangleBox>(&meter_);
     }
 
    private:
@@ -130,7 +131,7 @@ class Reference final : public BackendBase {
         Stopwatch bounds;
         boxes_.clear();
         boxes_.reserve(static_cast<std::size_t>(triangles));
-        for (std::int64_t t = 0; t < triangles; ++t) boxes_.push_back(Box(scene.triangle(t).point));
+        for (std::int64_t t = 0; t < triangles; ++t) boxes_.push_back(TriangleBox(scene.triangle(t).point));
         statistics[Stage::bounds] = bounds.lap();
     }
 
@@ -143,7 +144,7 @@ class Reference final : public BackendBase {
         const Levels levels(part);
         for (std::int64_t a = 0; a < first_end; ++a) {
             cancellation_.check();
-            const Box& box_a = box(a);
+            const TriangleBox& box_a = box(a);
             for (std::int64_t b = scene.between ? offset : a + 1; b < scene.triangle_count(); ++b) {
                 if (!overlap(box_a, box(b))) continue;
                 if (!rule_(scene.group(a), scene.group(b))) continue;
@@ -183,12 +184,12 @@ class Reference final : public BackendBase {
         return pairs;
     }
 
-    const Box& box(std::int64_t t) const { return boxes_[static_cast<std::size_t>(t)]; }
+    const TriangleBox& box(std::int64_t t) const { return boxes_[static_cast<std::size_t>(t)]; }
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
-    GroupFilter rule_;
-    Array<Box> boxes_;
+    SceneFilter rule_;
+    Array<TriangleBox> boxes_;
 };
 
 }  // namespace

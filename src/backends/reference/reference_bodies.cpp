@@ -61,9 +61,9 @@ PosedBody posed_body(const WorldOutline& outline, std::int32_t b, bool weld) {
 }  // namespace
 
 PosedBodies::PosedBodies(const World& world, const PairFilter& filter, bool weld, MemoryMeter& meter)
-    : outline_(&meter), rules_(&meter) {
+    : outline_(&meter), body_filter_(&meter) {
     outline_.read(world, filter);
-    rules_.prepare(filter);
+    body_filter_.prepare(filter);
     bodies_.reserve(static_cast<std::size_t>(outline_.bodies()));
     for (std::int32_t b = 0; b < outline_.bodies(); ++b) bodies_.push_back(posed_body(outline_, b, weld));
 }
@@ -71,7 +71,8 @@ PosedBodies::PosedBodies(const World& world, const PairFilter& filter, bool weld
 bool PosedBodies::is_selected(std::int32_t a, std::int32_t b, bool self) const {
     const Body &one = outline_.body(a), &other = outline_.body(b);
     if (one.world != other.world && other.world != -1) return false;
-    return (a == b ? rules_.within(a, self) : rules_.between(a, b)) && rules_.groups(one.group, other.group);
+    return (a == b ? body_filter_.within(a, self) : body_filter_.between(a, b)) &&
+           body_filter_.groups(one.group, other.group);
 }
 
 std::vector<BodyPair> PosedBodies::near_pairs(bool self) const {

@@ -51,7 +51,7 @@ class PosedBodies {
     bool is_selected(std::int32_t a, std::int32_t b, bool self) const;
 
     WorldOutline outline_;
-    BodyFilter rules_;
+    BodyFilter body_filter_;
     std::vector<PosedBody> bodies_;
 };
 

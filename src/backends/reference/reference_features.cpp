@@ -17,7 +17,7 @@ namespace {
 using Points = std::vector<std::int32_t>;
 
 // Vertex, edge or face of the scene.
-struct Feature {
+struct ReferenceFeature {
     Points vertices;
     std::int32_t index;
     std::int32_t group;
@@ -33,15 +33,15 @@ Ends ends_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(
 
 // All features of a scene: its faces; the edges that the caller lists, or else those of the faces; the points that the
 // caller lists, or else the vertices of faces and edges.
-class Everything {
+class AllFeatures {
    public:
-    std::vector<Feature> vertices, edges, faces;
+    std::vector<ReferenceFeature> vertices, edges, faces;
 
-    const std::vector<Feature>& of(FeatureType type) const {
+    const std::vector<ReferenceFeature>& of(FeatureType type) const {
         return type == FeatureType::vertex ? vertices : type == FeatureType::edge ? edges : faces;
     }
 
-    Everything(const PreparedScene& scene, const FeatureRequest& query) : scene_(scene), query_(query) {
+    AllFeatures(const PreparedScene& scene, const FeatureRequest& query) : scene_(scene), query_(query) {
         if (query.part) {
             read_part();
             return;
@@ -67,7 +67,7 @@ class Everything {
     }
 
     /// Returns true if some edge of the vertex has no vertex in common with `edge`.
-    bool has_edge_apart(const Feature& vertex, const Feature& edge) const {
+    bool has_edge_apart(const ReferenceFeature& vertex, const ReferenceFeature& edge) const {
         if (query_.part)
             return query_.features.has_edge_apart(vertex.vertices[0], {edge.vertices[0], edge.vertices[1]});
         const auto at = edges_of_vertex_.find(vertex.vertices[0]);
@@ -75,14 +75,14 @@ class Everything {
         return std::any_of(at->second.begin(), at->second.end(),
                            [&](std::size_t e) { return !incident(edges[e], edge); });
     }
-    static bool incident(const Feature& a, const Feature& b) {
+    static bool incident(const ReferenceFeature& a, const ReferenceFeature& b) {
         return std::any_of(a.names.begin(), a.names.end(), [&](std::int32_t v) { return b.names.count(v) > 0; });
     }
 
    private:
     /// Makes a feature. `face`: the lowest face that contains it, or -1.
-    Feature feature(Points vertices, std::int32_t index, std::int32_t face) const {
-        Feature f{std::move(vertices), index, 0, {}, {}, {}, 0, face < 0};
+    ReferenceFeature feature(Points vertices, std::int32_t index, std::int32_t face) const {
+        ReferenceFeature f{std::move(vertices), index, 0, {}, {}, {}, 0, face < 0};
         if (face >= 0)
             f.group = scene_.group(face);
         else if (scene_.lone_groups)
@@ -101,8 +101,8 @@ class Everything {
     // contains the feature.
     void read_part() {
         const SceneFeatures& features = query_.features;
-        const auto add = [&](std::vector<Feature>& list, Points vertices, std::int32_t index, std::int32_t owner,
-                             bool lone) {
+        const auto add = [&](std::vector<ReferenceFeature>& list, Points vertices, std::int32_t index,
+                             std::int32_t owner, bool lone) {
             list.push_back(feature(std::move(vertices), index, owner));
             list.back().lone = lone;
             list.back().owner = owner;
@@ -119,7 +119,8 @@ class Everything {
             }
         }
         for (auto* list : {&vertices, &edges})
-            std::sort(list->begin(), list->end(), [](const Feature& f, const Feature& g) { return f.index < g.index; });
+            std::sort(list->begin(), list->end(),
+                      [](const ReferenceFeature& f, const ReferenceFeature& g) { return f.index < g.index; });
     }
     void add_edge(const Ends& ends) {
         const auto face = face_of_edge_.find(ends);
@@ -141,12 +142,12 @@ class Everything {
 };
 
 /// For each representative vertex: the representative vertices that an edge or a face joins to it, itself included.
-using Next = std::map<std::int32_t, std::set<std::int32_t>>;
+using AdjacentVertices = std::map<std::int32_t, std::set<std::int32_t>>;
 
-Next next_of(const Everything& all) {
-    Next next;
+AdjacentVertices next_of(const AllFeatures& all) {
+    AdjacentVertices next;
     for (const auto* features : {&all.edges, &all.faces})
-        for (const Feature& feature : *features)
+        for (const ReferenceFeature& feature : *features)
             for (const std::int32_t a : feature.names)
                 for (const std::int32_t b : feature.names) next[a].insert(b);
     return next;
@@ -154,7 +155,8 @@ Next next_of(const Everything& all) {
 
 /// Returns true if a path of at most `edges` edges joins a vertex of `from` to one of `to`. A common vertex is a path
 /// of 0 edges.
-bool joined(const Next& next, std::set<std::int32_t> from, const std::set<std::int32_t>& to, std::int32_t edges) {
+bool joined(const AdjacentVertices& next, std::set<std::int32_t> from, const std::set<std::int32_t>& to,
+            std::int32_t edges) {
     for (;; --edges) {
         for (const std::int32_t v : from)
             if (to.count(v) > 0) return true;
@@ -175,16 +177,16 @@ class Search {
         : scene_(scene), query_(query), cancellation_(cancellation), result_(result), stream_(stream) {}
 
     void run() {
-        const Everything all(scene_, query_);
+        const AllFeatures all(scene_, query_);
         if (query_.criterion == Criterion::candidate) return list_candidates(all);
         if (!query_.part) next_ = next_of(all);
-        for (const Feature& v : all.vertices)
-            for (const Feature& f : all.faces) test(FeatureKind::vertex_face, v, f);
+        for (const ReferenceFeature& v : all.vertices)
+            for (const ReferenceFeature& f : all.faces) test(FeatureKind::vertex_face, v, f);
         for (std::size_t i = 0; i < all.edges.size(); ++i)
             for (std::size_t j = i + 1; j < all.edges.size(); ++j)
                 test(FeatureKind::edge_edge, all.edges[i], all.edges[j]);
-        for (const Feature& v : all.vertices)
-            for (const Feature& e : all.edges)
+        for (const ReferenceFeature& v : all.vertices)
+            for (const ReferenceFeature& e : all.edges)
                 if (e.lone && !all.has_edge_apart(v, e)) test(FeatureKind::vertex_edge, v, e);
         for (std::size_t i = 0; i < all.vertices.size(); ++i)
             for (std::size_t j = i + 1; j < all.vertices.size(); ++j)
@@ -193,16 +195,16 @@ class Search {
     }
 
    private:
-    void list_candidates(const Everything& all) {
+    void list_candidates(const AllFeatures& all) {
         for (std::size_t k = 0; k < candidate_kinds; ++k) {
             const auto kind = static_cast<CandidateKind>(k);
             if (!query_.lists(kind)) continue;
             const FeatureTypes types = types_of(kind);
-            for (const Feature& a : all.of(types.first)) {
+            for (const ReferenceFeature& a : all.of(types.first)) {
                 cancellation_.check();
-                for (const Feature& b : all.of(types.second)) {
+                for (const ReferenceFeature& b : all.of(types.second)) {
                     if ((types.first == types.second && a.index >= b.index) || !boxes_overlap(a, b)) continue;
-                    if (Everything::incident(a, b) || !query_.rule(a.group, b.group)) continue;
+                    if (AllFeatures::incident(a, b) || !query_.rule(a.group, b.group)) continue;
                     result_.any = true;
                     result_.rows[kind].pairs.push_back({a.index, b.index});
                     pass_on();
@@ -211,7 +213,7 @@ class Search {
         }
     }
 
-    bool boxes_overlap(const Feature& a, const Feature& b) const {
+    bool boxes_overlap(const ReferenceFeature& a, const ReferenceFeature& b) const {
         for (int axis = 0; axis < 3; ++axis)
             if (exceeds_inflation(a.low[axis], b.high[axis]) || exceeds_inflation(b.low[axis], a.high[axis]))
                 return false;
@@ -233,10 +235,10 @@ class Search {
         if (stream_ && result_.rows.size() >= some_rows) stream_->add(0, result_.rows);
     }
 
-    void test(FeatureKind kind, const Feature& a, const Feature& b) {
+    void test(FeatureKind kind, const ReferenceFeature& a, const ReferenceFeature& b) {
         if (query_.extent == Extent::any && result_.any) return;
         if (far(a, b)) return;
-        if (query_.part ? close_within_part(a, b)
+        if (query_.part ? is_excluded_in_part(a, b)
                         : joined(next_, a.names, b.names, query_.rings ? query_.rings->rings() : 0))
             return;
         if (!query_.rule(a.group, b.group)) return;
@@ -255,8 +257,8 @@ class Search {
     }
 
     // Returns true if the features are adjacent, or another part owns the pair.
-    bool close_within_part(const Feature& a, const Feature& b) const {
-        if (Everything::incident(a, b) || a.owner == b.owner || !levels_.own(a.owner, b.owner)) return true;
+    bool is_excluded_in_part(const ReferenceFeature& a, const ReferenceFeature& b) const {
+        if (AllFeatures::incident(a, b) || a.owner == b.owner || !levels_.own(a.owner, b.owner)) return true;
         if (!query_.rings) return false;
         return std::any_of(a.names.begin(), a.names.end(), [&](std::int32_t v) {
             return std::any_of(b.names.begin(), b.names.end(),
@@ -266,7 +268,7 @@ class Search {
 
     // Returns true if the features' boxes prove them farther apart than the requested distance. For a request with a
     // share of the initial distance, boxes prove nothing. The factor covers the rounding of the difference.
-    bool far(const Feature& a, const Feature& b) const {
+    bool far(const ReferenceFeature& a, const ReferenceFeature& b) const {
         for (int axis = 0; axis < 3; ++axis) {
             const double gap = std::max(a.low[axis] - b.high[axis], b.low[axis] - a.high[axis]);
             const double reach = query_.radii.empty() ? query_.distance : a.radius + b.radius;
@@ -280,10 +282,10 @@ class Search {
         double value = 0;
         bool flag = false;
     };
-    Row decide(FeatureKind kind, const Feature& a, const Feature& b) const {
+    Row decide(FeatureKind kind, const ReferenceFeature& a, const ReferenceFeature& b) const {
         FeaturePoints p;
         std::size_t n = 0;
-        for (const Feature* f : {&a, &b})
+        for (const ReferenceFeature* f : {&a, &b})
             for (const std::int32_t v : f->vertices) p[n++] = moving_point(scene_, v);
         if (query_.criterion == Criterion::proximity) {
             const RationalDistance distance(at_start(kind, p));
@@ -324,11 +326,11 @@ class Search {
         return vertex_vertex(p[0], p[1], separation);
     }
 
-    bool close_in_rest_shape(FeatureKind kind, const Feature& a, const Feature& b) const {
+    bool close_in_rest_shape(FeatureKind kind, const ReferenceFeature& a, const ReferenceFeature& b) const {
         if (!query_.rest || !query_.rest->knows(a.vertices[0], b.vertices[0])) return false;
         Features features{kinds_of(kind), {}};
         std::size_t n = 0;
-        for (const Feature* f : {&a, &b})
+        for (const ReferenceFeature* f : {&a, &b})
             for (const std::int32_t v : f->vertices) features.point[n++] = query_.rest->position(v);
         return RationalDistance(features).within({query_.rest->radius, 0});
     }
@@ -339,7 +341,7 @@ class Search {
     FeatureResult& result_;
     FeatureStream* stream_;
     const Levels levels_{query_.part};
-    Next next_;
+    AdjacentVertices next_;
 };
 
 }  // namespace

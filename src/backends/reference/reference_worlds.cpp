@@ -22,9 +22,9 @@ struct PosedTriangle {
 };
 
 // All posed triangles of all bodies, in order.
-class Everything {
+class AllTriangles {
    public:
-    Everything(const WorldOutline& outline, bool weld) : weld_(weld) {
+    AllTriangles(const WorldOutline& outline, bool weld) : weld_(weld) {
         for (std::int32_t b = 0; b < outline.bodies(); ++b) add(outline, b);
     }
     const std::vector<PosedTriangle>& elements() const { return elements_; }
@@ -93,7 +93,7 @@ void find_by_brute_force(const World& world, const IntersectionQuery& query, Mem
     clear(result, outline, query);
     result.statistics.backend = "reference";
     result.statistics.simd = "scalar";
-    const Everything everything(outline, query.weld);
+    const AllTriangles everything(outline, query.weld);
     const std::vector<PosedTriangle>& all = everything.elements();
     for (std::size_t i = 0; i < all.size(); ++i) {
         cancellation.check();
@@ -108,11 +108,11 @@ void find_by_brute_force(const World& world, const IntersectionQuery& query, Mem
             add_pair(outline, query, world_a == -1 ? outline.worlds() : world_a, {all[i].of.body, all[j].of.body},
                      {all[i].index, all[j].index}, result);
             if (query.output == Output::contacts) add_contact(all[i].triangle, all[j].triangle, result);
-            if (blocks) blocks->pass_on(result);
+            if (blocks) blocks->deliver_if_full(result);
         }
     }
     if (blocks)
-        blocks->pass_on(result, true);
+        blocks->deliver_if_full(result, true);
     else
         finish(outline, query, result);
 }

@@ -89,7 +89,7 @@ Fair fair_share(MPI_Comm communicator) {
 
 // Returns the options with the rank's threads and device chosen. Examines the machine only if some rank needs this.
 // Collective.
-DistributedOptions is_decided(DistributedOptions options, MPI_Comm communicator) {
+DistributedOptions with_threads_and_device(DistributedOptions options, MPI_Comm communicator) {
     Options& own = options.detector;
     const bool chooses_threads = own.threads == 0 && !own.executor;
     const std::size_t devices =
@@ -117,7 +117,7 @@ struct Detector::Implementation {
     Implementation(MPI_Comm of, const DistributedOptions& options)
         : communicator(of),
           transport(communicator.get()),
-          detector(transport, is_decided(options, communicator.get())) {
+          detector(transport, with_threads_and_device(options, communicator.get())) {
         // Runs within a collective error check: if the thread of one rank may not call MPI, the call ends on all ranks.
         detector.set_hook([this](Phase phase) {
             if (phase == Phase::query) check_thread();
@@ -155,20 +155,22 @@ void Detector::close() {
     closing->communicator.free();
 }
 
-template <class Query, class Share>
-const typename Query::DistributedResult& Detector::find(const Share& share, const Query& query, std::stop_token stop) {
+template <class Query, class LocalMesh>
+const typename Query::DistributedResult& Detector::find(const LocalMesh& share, const Query& query,
+                                                        std::stop_token stop) {
     return open().detector.find(share, query, std::move(stop));
 }
-template <class Query, class Share>
-bool Detector::any(const Share& share, const Query& query, std::stop_token stop) {
+template <class Query, class LocalMesh>
+bool Detector::any(const LocalMesh& share, const Query& query, std::stop_token stop) {
     Query whether = query;
     whether.output = Output::any;
     return find(share, whether, std::move(stop)).any;
 }
 
-#define CRUMPLE_FIND(Share, Query)                                                                                    \
-    template CRUMPLE_API const Query::DistributedResult& Detector::find(const Share&, const Query&, std::stop_token); \
-    template CRUMPLE_API bool Detector::any(const Share&, const Query&, std::stop_token);
+#define CRUMPLE_FIND(LocalMesh, Query)                                                                  \
+    template CRUMPLE_API const Query::DistributedResult& Detector::find(const LocalMesh&, const Query&, \
+                                                                        std::stop_token);               \
+    template CRUMPLE_API bool Detector::any(const LocalMesh&, const Query&, std::stop_token);
 
 CRUMPLE_FIND(MeshShare, IntersectionQuery)
 CRUMPLE_FIND(MeshShare, ImpactQuery)

@@ -48,7 +48,7 @@ bool is_error(const std::exception_ptr& failed) {
 
 }  // namespace
 
-void Agreement::settle(const std::exception_ptr& failed) {
+void CollectiveCheck::settle(const std::exception_ptr& failed) {
     std::optional<Error> mine;
     if (failed) mine = error_of(failed);
     // Finds the least key (index, -bytes needed, rank), number by number; a rank with a larger number drops out.
@@ -69,7 +69,7 @@ void Agreement::settle(const std::exception_ptr& failed) {
 }
 
 // Broadcasts the error of the rank `root`.
-Error Agreement::share(const std::optional<Error>& mine, int root) {
+Error CollectiveCheck::share(const std::optional<Error>& mine, int root) {
     const bool here = transport_.rank() == root;
     std::array<std::int64_t, 6> head{};
     std::string message;

@@ -19,9 +19,9 @@
 
 namespace crumple::distribute {
 
-class Agreement {
+class CollectiveCheck {
    public:
-    explicit Agreement(Transport& transport) : transport_(transport) {}
+    explicit CollectiveCheck(Transport& transport) : transport_(transport) {}
 
     /// Runs work() on this rank. Returns once work() has succeeded on all ranks; else throws. An Error that work()
     /// throws about an element must have the element's number over all ranks (see Share). An exception that is no

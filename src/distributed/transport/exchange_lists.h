@@ -14,10 +14,10 @@ namespace crumple::distribute {
 
 /// Returns the traffic of lists with size(rank) rows for each rank. Collective.
 template <class Size>
-Traffic traffic_of(Rounds& rounds, Size size) {
-    Traffic traffic(rounds.transport().size());
+Traffic traffic_of(MessageBatches& batches, Size size) {
+    Traffic traffic(batches.transport().size());
     for (std::size_t r = 0; r < traffic.out.size(); ++r) traffic.out[r] = static_cast<std::int64_t>(size(r));
-    rounds.transport().all_to_all(traffic.out, traffic.in);
+    batches.transport().all_to_all(traffic.out, traffic.in);
     return traffic;
 }
 
@@ -35,9 +35,9 @@ inline std::vector<std::int64_t> first_of_each(const std::vector<std::int64_t>& 
 /// Sends the vector list(rank) to each rank. `coming` receives the rows of all ranks, those of rank 0 first; it must
 /// already have the right size. Collective.
 template <class Row, class List>
-void exchange_lists(Rounds& rounds, const Traffic& traffic, List list, std::vector<Row>& coming) {
+void exchange_lists(MessageBatches& batches, const Traffic& traffic, List list, std::vector<Row>& coming) {
     const std::vector<std::int64_t> first = first_of_each(traffic.in);
-    rounds.exchange<Row>(
+    batches.exchange<Row>(
         traffic,
         [&](int rank, std::int64_t begin, std::span<Row> rows) {
             const std::vector<Row>& from = list(static_cast<std::size_t>(rank));

@@ -21,10 +21,10 @@ struct Traffic {
     std::vector<std::int64_t> out, in;
 };
 
-class Rounds {
+class MessageBatches {
    public:
     /// `bytes`: size of a message batch of one rank, in each direction.
-    Rounds(Transport& transport, std::int64_t bytes) : transport_(transport), bytes_(bytes) {}
+    MessageBatches(Transport& transport, std::int64_t bytes) : transport_(transport), bytes_(bytes) {}
 
     /// Exchanges rows. pack(rank, first, span of n rows) writes the rows [first, first + n) for a rank; unpack(rank,
     /// first, rows) reads those received from it. A rank's rows for itself are packed and unpacked, but not sent.
@@ -34,15 +34,15 @@ class Rounds {
         const auto self = static_cast<std::size_t>(transport_.rank());
         swap_out<Row>(static_cast<int>(self), traffic.out[self], pack, unpack);
         const std::int64_t most = rows_at_once(sizeof(Row));
-        std::int64_t rounds = 0;
+        std::int64_t batches = 0;
         for (std::size_t r = 0; r < traffic.out.size(); ++r)
-            if (r != self) rounds = std::max(rounds, (std::max(traffic.out[r], traffic.in[r]) + most - 1) / most);
+            if (r != self) batches = std::max(batches, (std::max(traffic.out[r], traffic.in[r]) + most - 1) / most);
         const auto others = [&](const std::vector<std::int64_t>& rows, std::int64_t first, auto visit) {
             for (std::size_t r = 0; r < rows.size(); ++r)
                 if (const std::int64_t n = std::min(rows[r] - first, most); r != self && n > 0)
                     visit(static_cast<int>(r), static_cast<std::size_t>(n));
         };
-        for (std::int64_t round = 0; round < rounds; ++round) {
+        for (std::int64_t round = 0; round < batches; ++round) {
             const std::int64_t first = round * most;
             std::size_t leaving = 0, coming = 0;
             others(traffic.out, first, [&](int, std::size_t n) { leaving += n; });

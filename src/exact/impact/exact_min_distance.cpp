@@ -78,24 +78,24 @@ void edge_edge_quotients(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c, c
 }
 
 /// Nonnegative number over / under.
-struct Fraction {
+struct NonnegativeRatio {
     Integer over, under = 1;
 
-    friend bool operator<(const Fraction& x, const Fraction& y) { return x.over * y.under < y.over * x.under; }
+    friend bool operator<(const NonnegativeRatio& x, const NonnegativeRatio& y) { return x.over * y.under < y.over * x.under; }
 };
 
 /// Returns the square of x in units of 4^exponent.
-Fraction squared(double x, int exponent) {
+NonnegativeRatio squared(double x, int exponent) {
     const Binary binary(x);
     const Integer square = Integer(binary.mantissa) * binary.mantissa;
     const int places = binary.mantissa == 0 ? 0 : 2 * (binary.exponent - exponent);
-    return places < 0 ? Fraction{square, Integer(1) << -places} : Fraction{square << places};
+    return places < 0 ? NonnegativeRatio{square, Integer(1) << -places} : NonnegativeRatio{square << places};
 }
 
 /// Returns the impact at the first root of over / under = limit in [0, 1] at which no condition is negative; none if
 /// the equation holds at all times.
 template <class Conditions>
-Impact first_root(const Polynomial& over, const Polynomial& under, Conditions conditions, const Fraction& limit) {
+Impact first_root(const Polynomial& over, const Polynomial& under, Conditions conditions, const NonnegativeRatio& limit) {
     const Polynomial excess = Polynomial({limit.under}) * over - Polynomial({limit.over}) * under;
     if (excess.zero()) return {};
     for (Root& t : roots_in_unit_interval(excess)) {
@@ -117,7 +117,7 @@ int sign_after(Root& t, Polynomial p) {
 
 /// Returns the impact at the first time in [0, 1) right after which over / under < limit and no condition is negative.
 template <class Conditions>
-Impact first_fall(const Polynomial& over, const Polynomial& under, Conditions conditions, const Fraction& limit) {
+Impact first_fall(const Polynomial& over, const Polynomial& under, Conditions conditions, const NonnegativeRatio& limit) {
     const Polynomial excess = Polynomial({limit.under}) * over - Polynomial({limit.over}) * under;
     const auto falls = [&](Root& t) {
         if (sign_after(t, excess) >= 0 || sign_after(t, under) == 0) return false;
@@ -143,9 +143,9 @@ Impact first_within(const std::array<MovingPoint, N>& points, const MinDistance&
     const int exponent = common_exponent(points);
     std::array<Vec3<Integer>, N> start;
     for (std::size_t i = 0; i < N; ++i) start[i] = scaled(points[i].start, exponent);
-    std::optional<Fraction> least;
+    std::optional<NonnegativeRatio> least;
     quotients(start, [&](const Integer& over, const Integer& under, auto conditions) {
-        const Fraction square{over, under};
+        const NonnegativeRatio square{over, under};
         if (under == 0 || (least && !(square < *least))) return;
         for (const Integer& condition : conditions()) {
             if (condition < 0) return;
@@ -153,9 +153,9 @@ Impact first_within(const std::array<MovingPoint, N>& points, const MinDistance&
         least = square;
     });
 
-    const Fraction share = squared(separation.share, 0);
-    const Fraction shared{share.over * least->over, share.under * least->under};
-    Fraction limit = squared(separation.distance, exponent);
+    const NonnegativeRatio share = squared(separation.share, 0);
+    const NonnegativeRatio shared{share.over * least->over, share.under * least->under};
+    NonnegativeRatio limit = squared(separation.distance, exponent);
     if (limit < shared) limit = shared;
     const bool within = !(limit < *least);
     if (within && !separation.approaching_only) return {true, 0, true};

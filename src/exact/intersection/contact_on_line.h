@@ -47,7 +47,7 @@ CRUMPLE_HD inline bool constant(const std::array<Vec3d, 3>& p, int axis) {
     return p[0][axis] == p[1][axis] && p[0][axis] == p[2][axis];
 }
 
-struct Distance {
+struct AxisDistance {
     DoubleWord value;
     double error;
 };
@@ -68,7 +68,7 @@ class DoubleWordPlane {
     /// Returns the distance times the length of the normal. Differences are exact; each monomial passes five roundings
     /// below 2^-103: two products, a difference, two sums. So the error is below 5.01 · 2^-103 < 2^-100.6 of the sum of
     /// their magnitudes; 2^-100 makes up for computing that sum in float64.
-    CRUMPLE_HD Distance operator()(const Vec3d& p) const {
+    CRUMPLE_HD AxisDistance operator()(const Vec3d& p) const {
         DoubleWord sum{0, 0};
         double magnitude = 0;
         for (int axis = 0; axis < 3; ++axis) {
@@ -97,7 +97,7 @@ template <class Exact>
 CRUMPLE_HD_COLD bool crossing(const Vec3d& p, const Vec3d& q, const std::array<Vec3d, 3>& triangle, const Exact& exact,
                               Vec3d& result) {
     const DoubleWordPlane plane(triangle);
-    const Distance d = plane(p), e = plane(q);
+    const AxisDistance d = plane(p), e = plane(q);
     const DoubleWord denominator = d.value - e.value;
     const double error = d.error + e.error, distance = std::abs(denominator.high);
     if (!(4 * error < distance)) return exact.crossing(p, q, triangle, result);

@@ -14,10 +14,10 @@ int first_sign(const Point& v) { return v.x != 0 ? sign_of(v.x) : v.y != 0 ? sig
 
 /// Plane of a triangle. operator() returns the distance of a point times the length of the normal: positive on the side
 /// to which the normal points.
-struct Plane {
+struct DirectedPlane {
     Point normal, origin;
 
-    explicit Plane(const IntegerTriangle& p) : normal(cross(p[1] - p[0], p[2] - p[0])), origin(p[0]) {}
+    explicit DirectedPlane(const IntegerTriangle& p) : normal(cross(p[1] - p[0], p[2] - p[0])), origin(p[0]) {}
     Integer operator()(const Point& p) const { return dot(normal, p - origin); }
     /// Returns the side of a point of the plane once the plane is shifted.
     int side_in_plane(Shift shift) const { return -sign_of(shift) * first_sign(normal); }
@@ -46,7 +46,7 @@ class IntegerSigns {
     }
 
     int vertex(std::size_t of_b, std::size_t edge) const {
-        const Plane& plane = of_b ? plane_a_ : plane_b_;
+        const DirectedPlane& plane = of_b ? plane_a_ : plane_b_;
         const IntegerTriangle& of = of_b ? b_ : a_;
         if (plane(of[edge]) == 0) return static_cast<int>(edge);
         return plane(of[next_corner(edge)]) == 0 ? static_cast<int>(next_corner(edge)) : -1;
@@ -61,7 +61,7 @@ class IntegerSigns {
     }
 
    private:
-    int side(const Plane& plane, const Point& p, Shift shift) {
+    int side(const DirectedPlane& plane, const Point& p, Shift shift) {
         const int sign = sign_of(plane(p));
         if (sign != 0) return sign;
         tied = true;
@@ -69,7 +69,7 @@ class IntegerSigns {
     }
 
     const IntegerTriangle &a_, &b_;
-    Plane plane_a_, plane_b_;
+    DirectedPlane plane_a_, plane_b_;
     Shift shift_ = Shift::forward;
 };
 
@@ -107,7 +107,7 @@ RationalCrossing cross_rationally(const IntegerTriangle& a, const IntegerTriangl
 }
 
 int winding_along_ray(const Vec3<Integer>& p, const IntegerTriangle& face, Shift shift) {
-    const Plane plane(face);
+    const DirectedPlane plane(face);
     const int along = sign_of(plane.normal.x);
     if (along == 0) return 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -135,7 +135,7 @@ DecidedCrossings decide_crossings(const FaceCorners& a, const FaceCorners& b) {
 
 Rational edge_parameter(const Vec3d& from, const Vec3d& to, const FaceCorners& face) {
     const auto p = in_common_unit<5>({from, to, face[0], face[1], face[2]});
-    const Plane plane(IntegerTriangle{p[2], p[3], p[4]});
+    const DirectedPlane plane(IntegerTriangle{p[2], p[3], p[4]});
     const Integer at_start = plane(p[0]);
     return quotient(at_start, at_start - plane(p[1]));
 }

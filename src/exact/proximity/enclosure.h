@@ -101,7 +101,7 @@ class Enclosure {
             if (precise.type_certain() && precise.parameters(points.at)) return true;
         }
         points.type = type_;
-        return decide_type() && is_type_certain() && parameters(points.at);
+        return decide_type() && is_exact_type_certain() && parameters(points.at);
     }
 
    private:
@@ -274,7 +274,7 @@ class Enclosure {
 
     /// True if the type is certain, after decide_type() has returned true. As nothing was rounded, the guess is a
     /// closest point. It is the only one if f is curved, and it lies on no smaller part if it is inside.
-    CRUMPLE_HD bool is_type_certain() const {
+    CRUMPLE_HD bool is_exact_type_certain() const {
         if (certainly_touching() && seen_.free == 0) return true;
         const double s = seen_.s, t = seen_.t;
         const bool inside = (seen_.free < 1 || (s > 0 && s < 1)) && (seen_.free < 2 || (t > 0 && t < 1));

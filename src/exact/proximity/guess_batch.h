@@ -42,7 +42,7 @@ struct GuessBatch {
 };
 
 /// Leaves all squared distances unresolved, as NaN: for kernel tables that do not compute them.
-inline void leave_open(const GuessBatch& batch, double* squared) {
+inline void leave_unresolved(const GuessBatch& batch, double* squared) {
     std::fill_n(squared, batch.count, std::numeric_limits<double>::quiet_NaN());
 }
 

@@ -39,13 +39,13 @@ std::size_t find_end_record(std::string_view bytes) {
 }
 
 /// Place of the list of entries in the file, in bytes.
-struct List {
+struct EntryList {
     std::uint64_t begin = 0, size = 0;
     std::uint64_t moved = 0;  ///< bytes put before the archive: add to the offsets it states
 };
 
 /// Finds the list of entries. Returns false if the end records contradict each other or the size of the file.
-bool find_list(std::string_view bytes, std::size_t end, List& list) {
+bool find_list(std::string_view bytes, std::size_t end, EntryList& list) {
     std::uint64_t begin = number<std::uint32_t>(bytes, end + 16), list_end = end;
     list.size = number<std::uint32_t>(bytes, end + 12);
     const std::string_view locator =
@@ -159,7 +159,7 @@ ZipReader::ZipReader(const Source& source, const std::string& kind)
 ZipReader::~ZipReader() = default;
 
 bool ZipReader::list_entries(std::size_t end) {
-    List list;
+    EntryList list;
     if (!find_list(bytes_, end, list)) return false;
     std::string_view left = bytes_.substr(list.begin, list.size);
     while (!left.empty()) {

@@ -108,13 +108,13 @@ void ContainedBodies::add_casts(std::int32_t of, std::int32_t through, std::size
     const VertexReader position = reader_of(bodies_.outline().shape(of));
     const Placement pose = bodies_.outline().placement(of);
     const Bounds& box = bodies_.box(through);
-    const auto vertex_at = [&](std::int32_t place) { return pose(position(surface.vertex_at(place))); };
+    const auto vertex_at_place = [&](std::int32_t place) { return pose(position(surface.vertex_at_place(place))); };
     const bool all_inside = holds(box, bodies_.box(of));
     const auto& first = surface.components();
     for (std::size_t c = 0; c + 1 < first.size(); ++c) {
         std::int32_t place = first[c];
-        while (!all_inside && place < first[c + 1] && holds(box, vertex_at(place))) ++place;
-        if (all_inside || place == first[c + 1]) casts.push_back({through, {vertex_at(first[c]), pair, 0}});
+        while (!all_inside && place < first[c + 1] && holds(box, vertex_at_place(place))) ++place;
+        if (all_inside || place == first[c + 1]) casts.push_back({through, {vertex_at_place(first[c]), pair, 0}});
     }
 }
 
@@ -136,7 +136,7 @@ Array<Vec3d> ContainedBodies::vertices_in(std::int32_t body, const Bounds& box) 
     const Placement pose = bodies_.outline().placement(body);
     Array<Vec3d> vertices(&meter_);
     for (std::int32_t place = 0; place < surface.places(); ++place) {
-        const Vec3d p = pose(position(surface.vertex_at(place)));
+        const Vec3d p = pose(position(surface.vertex_at_place(place)));
         if (holds(box, p)) vertices.push_back(p);
     }
     std::sort(vertices.begin(), vertices.end(), before);

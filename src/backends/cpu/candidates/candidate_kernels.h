@@ -24,7 +24,7 @@ using PairEnds = std::array<Pair*, candidate_kinds>;
 /// CandidateRecord has one of its features. In each round, every lane of the column is tested against one lane of the
 /// row, or against lane 7, which overlaps nothing. Together, the rounds test all pairs of the requested kinds. In masks
 /// of tests, bit 8 j + l stands for lane l of the column in round j.
-struct Rounds {
+struct LaneRounds {
     static constexpr int most = 7;
     int count = 0;
     std::uint8_t row[most][candidate_lanes];  ///< by round and lane of the column: lane of the row
@@ -38,16 +38,16 @@ struct Rounds {
     /// Bits of the pairs of features with a common vertex, indexed by SharedCorners::bits().
     std::uint64_t incident[512] = {};
 
-    bool of_impacts = false;  ///< true if exactly vertex_face and edge_edge are requested
+    bool has_impact_kinds_only = false;  ///< true if exactly vertex_face and edge_edge are requested
 
-    explicit Rounds(const RequestedKinds& kinds = {});
+    explicit LaneRounds(const RequestedKinds& kinds = {});
 };
 
 /// Writes the pairs that the bits stand for, and advances `next`.
-inline void list_pairs(std::uint64_t bits, const Rounds& rounds, const CandidateRecord& a, const CandidateRecord& b,
+inline void list_pairs(std::uint64_t bits, const LaneRounds& rounds, const CandidateRecord& a, const CandidateRecord& b,
                        PairEnds& next) {
     for (; bits; bits &= bits - 1) {
-        const Rounds::Listed& listed = rounds.listed[std::countr_zero(bits)];
+        const LaneRounds::Listed& listed = rounds.listed[std::countr_zero(bits)];
         const std::int32_t of_row = a.id[listed.row], of_column = b.id[listed.column];
         const bool swapped = listed.column_first || (listed.lesser_first && of_column < of_row);
         *next[listed.kind]++ = swapped ? Pair{of_column, of_row} : Pair{of_row, of_column};
@@ -56,7 +56,7 @@ inline void list_pairs(std::uint64_t bits, const Rounds& rounds, const Candidate
 
 /// Pairs of features of a row and a column whose boxes may or may not overlap: some of their rounded coordinates (keys,
 /// candidate_record.h) are equal, which decides nothing.
-struct UnsureHit {
+struct UncertainTests {
     std::uint64_t bits;         ///< see Rounds
     std::uint16_t row, column;  ///< as in CandidateChunk
 };
@@ -69,7 +69,7 @@ struct CandidateKernels {
     /// `unsure`, and returns their number. `record`: by physical row. May write one more element of `unsure`, and eight
     /// more pairs of each kind.
     std::size_t (*find)(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
-                        std::int64_t end, const Rounds& rounds, PairEnds& next, UnsureHit* unsure);
+                        std::int64_t end, const LaneRounds& rounds, PairEnds& next, UncertainTests* unsure);
 };
 
 /// Returns the table of an instruction set. Throws Error (backend_unavailable) if the build or the machine lacks it.

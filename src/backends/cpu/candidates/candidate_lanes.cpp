@@ -31,9 +31,9 @@ using D = hn::CappedTag<float, candidate_lanes>;
 
 // Boxes of a row's lanes, by round: in the order in which the lanes of a column are tested against them.
 struct ScheduledRow {
-    alignas(64) float low[Rounds::most][3][candidate_lanes], high[Rounds::most][3][candidate_lanes];
+    alignas(64) float low[LaneRounds::most][3][candidate_lanes], high[LaneRounds::most][3][candidate_lanes];
 
-    HWY_INLINE void read(const CandidateRecord& a, const Rounds& rounds) {
+    HWY_INLINE void read(const CandidateRecord& a, const LaneRounds& rounds) {
         for (int j = 0; j < rounds.count; ++j) {
             const std::uint8_t* lanes = rounds.row[j];
             for (int axis = 0; axis < 3; ++axis) {
@@ -79,8 +79,8 @@ HWY_INLINE std::size_t shared_corners(const CandidateRecord& a, const CandidateR
 // Runs the tests round by round. `known`: the number of rounds if known at compile time, else 0.
 template <int known>
 HWY_INLINE std::size_t find_by_schedule(const CandidateRecord* record, const CandidateChunk& candidates,
-                                        std::int64_t begin, std::int64_t end, const Rounds& rounds, PairEnds& ends,
-                                        UnsureHit* unsure) {
+                                        std::int64_t begin, std::int64_t end, const LaneRounds& rounds, PairEnds& ends,
+                                        UncertainTests* unsure) {
     const D d;
     const auto zero = hn::Zero(d);
     const CandidateRecord* rows = record + candidates.rows;
@@ -125,7 +125,7 @@ HWY_INLINE std::size_t find_by_schedule(const CandidateRecord* record, const Can
 // Pairs of lanes of the kinds that impacts have, vertex_face and edge_edge: fifteen, which fit one register. The nine
 // pairs of edges come first, then the row's vertices with the column's face, and the row's face with the column's
 // vertices.
-struct Impacts {
+struct ImpactKindTests {
     static constexpr unsigned edges = 0x1ff, faces = 0x7e00, column_first = 0x7000, all = edges | faces;
     alignas(64) std::int32_t row[16] = {3, 3, 3, 4, 4, 4, 5, 5, 5, 0, 1, 2, 6, 6, 6, 7};
     alignas(64) std::int32_t column[16] = {3, 4, 5, 3, 4, 5, 3, 4, 5, 6, 6, 6, 0, 1, 2, 7};
@@ -133,14 +133,14 @@ struct Impacts {
     alignas(64) std::int32_t zip[16] = {0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23};
     std::uint16_t incident[512] = {};  ///< as in Rounds
 
-    Impacts() {
+    ImpactKindTests() {
         for (unsigned shared = 0; shared < 512; ++shared)
             for (int bit = 0; bit < 15; ++bit)
                 if (SharedCorners(shared).incident(row[bit], column[bit]))
                     incident[shared] = static_cast<std::uint16_t>(incident[shared] | 1 << bit);
     }
     /// Converts bits of Impacts to bits of Rounds.
-    std::uint64_t in_schedule(unsigned bits, const Rounds& rounds) const {
+    std::uint64_t in_schedule(unsigned bits, const LaneRounds& rounds) const {
         std::uint64_t out = 0;
         for (; bits; bits &= bits - 1) {
             const int slot = std::countr_zero(bits);
@@ -155,8 +155,8 @@ struct Impacts {
 // Runs all tests first, then writes the pairs: overlaps are unpredictable, and a branch for each candidate, or for each
 // pair, would cost more than a second pass.
 std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
-                         std::int64_t end, const Rounds& rounds, PairEnds& ends, UnsureHit* unsure) {
-    static const Impacts impacts;
+                         std::int64_t end, const LaneRounds& rounds, PairEnds& ends, UncertainTests* unsure) {
+    static const ImpactKindTests impacts;
     const hn::FixedTag<float, 16> d;
     const hn::FixedTag<std::int32_t, 16> di;
     using V = hn::Vec<decltype(d)>;
@@ -179,7 +179,7 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
         const __m512i a = _mm512_maskz_compress_epi32(mask_of(bits), first.raw);
         const __m512i b = _mm512_maskz_compress_epi32(mask_of(bits), second.raw);
         _mm512_storeu_si512(next, _mm512_permutex2var_epi32(a, zip.raw, b));
-        if (HWY_UNLIKELY(bits == Impacts::edges))  // nine pairs: the first store wrote eight
+        if (HWY_UNLIKELY(bits == ImpactKindTests::edges))  // nine pairs: the first store wrote eight
             _mm512_storeu_si512(next + 8, _mm512_permutex2var_epi32(a, zip_ninth.raw, b));
         next += hwy::PopCount(bits);
     };
@@ -204,7 +204,7 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
         for (int axis = 1; axis < 3; ++axis)
             between = hn::Max(between, hn::Max(hn::Sub(lanes(b, axis, of_column), row[3 + axis]),
                                                hn::Sub(row[axis], lanes(b, 3 + axis, of_column))));
-        const unsigned apart = impacts.incident[shared_corners(a, b)] | ~Impacts::all;
+        const unsigned apart = impacts.incident[shared_corners(a, b)] | ~ImpactKindTests::all;
         const auto overlap = static_cast<unsigned>(bits_of(d, hn::Le(between, zero))) & ~apart;
         const auto equal = static_cast<unsigned>(bits_of(d, hn::Eq(between, zero)));
         hits[hit] = {static_cast<std::uint16_t>(overlap), static_cast<std::uint16_t>(equal), i, j};
@@ -217,11 +217,12 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
         const unsigned certain = h.overlaps & ~unsigned{h.equal};
         const I row_id = ids(rows[h.row], of_row), column_id = ids(columns[h.column], of_column);
         const unsigned swapped =
-            Impacts::column_first | (Impacts::edges & static_cast<unsigned>(bits_of(di, hn::Lt(column_id, row_id))));
+            ImpactKindTests::column_first |
+            (ImpactKindTests::edges & static_cast<unsigned>(bits_of(di, hn::Lt(column_id, row_id))));
         const I first{_mm512_mask_blend_epi32(mask_of(swapped), row_id.raw, column_id.raw)};
         const I second{_mm512_mask_blend_epi32(mask_of(swapped), column_id.raw, row_id.raw)};
-        write(first, second, certain & Impacts::edges, edges);
-        write(first, second, certain & Impacts::faces, faces);
+        write(first, second, certain & ImpactKindTests::edges, edges);
+        write(first, second, certain & ImpactKindTests::faces, faces);
         if (const unsigned perhaps = h.overlaps & h.equal; HWY_UNLIKELY(perhaps))
             unsure[count++] = {impacts.in_schedule(perhaps, rounds), h.row, h.column};
     }
@@ -233,9 +234,9 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
 #endif
 
 std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin, std::int64_t end,
-                 const Rounds& rounds, PairEnds& next, UnsureHit* unsure) {
+                 const LaneRounds& rounds, PairEnds& next, UncertainTests* unsure) {
 #if HWY_TARGET <= HWY_AVX3
-    if (rounds.of_impacts) return find_impacts(record, candidates, begin, end, rounds, next, unsure);
+    if (rounds.has_impact_kinds_only) return find_impacts(record, candidates, begin, end, rounds, next, unsure);
 #endif
     // Three rounds: vertex_face and edge_edge, the usual kinds.
     return rounds.count == 3 ? find_by_schedule<3>(record, candidates, begin, end, rounds, next, unsure)

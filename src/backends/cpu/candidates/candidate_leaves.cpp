@@ -43,7 +43,7 @@ CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const Candidat
 void CandidateLeaves::ask(const FeatureRequest& query) {
     query_ = &query;
     stream_ = nullptr;
-    rounds_ = Rounds(query.kinds);
+    rounds_ = LaneRounds(query.kinds);
 }
 
 void CandidateLeaves::begin(const Call& call) {
@@ -169,7 +169,7 @@ void CandidateLeaves::sweep(const SortedLeaf& leaf, const Ownership& ownership, 
 // Turns candidates that another leaf owns, or that the pair filter excludes, into padding.
 void CandidateLeaves::drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const {
     const PreparedScene& scene = call_->scene;
-    const GroupFilter& rule = call_->rule;
+    const SceneFilter& rule = call_->rule;
     CandidateChunk& candidates = worker.candidates;
     for (std::int64_t k = 0; k < candidates.count; ++k) {
         if (candidates.column[k] == candidates.dummy) continue;
@@ -200,7 +200,7 @@ void CandidateLeaves::narrow(const Worker& builder, Worker& worker) const {
         }
         const std::size_t unsure = kernels_.find(record, candidates, begin, end, rounds_, next, worker.unsure.data());
         for (std::size_t h = 0; h < unsure; ++h) {
-            const UnsureHit& hit = worker.unsure[h];
+            const UncertainTests& hit = worker.unsure[h];
             list(hit, record[candidates.rows + hit.row], record[candidates.columns + hit.column], next);
         }
         for (std::size_t k = 0; k < candidate_kinds; ++k) {
@@ -218,12 +218,12 @@ void CandidateLeaves::pass_on(Worker& worker) const {
 }
 
 // Decides uncertain pairs in exact arithmetic, and lists those whose inflated boxes overlap.
-void CandidateLeaves::list(const UnsureHit& hit, const CandidateRecord& a, const CandidateRecord& b,
+void CandidateLeaves::list(const UncertainTests& hit, const CandidateRecord& a, const CandidateRecord& b,
                            PairEnds& next) const {
     std::uint64_t overlaps = 0;
     for (std::uint64_t bits = hit.bits; bits; bits &= bits - 1) {
         const int bit = std::countr_zero(bits);
-        const Rounds::Listed& lanes = rounds_.listed[bit];
+        const LaneRounds::Listed& lanes = rounds_.listed[bit];
         if (inflated_boxes_overlap(box(a, lanes.row), box(b, lanes.column), query_->distance))
             overlaps |= std::uint64_t{1} << bit;
     }

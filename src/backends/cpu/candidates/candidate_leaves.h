@@ -55,7 +55,7 @@ class CandidateLeaves final : public LeafQuery {
         Array<CandidateRecord> built;   ///< in the order of LeafMembers
         Array<CandidateRecord> sorted;  ///< by physical row
         CandidateChunk candidates;
-        Array<UnsureHit> unsure;  ///< uncertain pairs of a batch
+        Array<UncertainTests> unsure;  ///< uncertain pairs of a batch
         RowLists found;
         std::int64_t unit = 0;  ///< unit of a stream that the pairs belong to
         Statistics statistics;
@@ -69,7 +69,7 @@ class CandidateLeaves final : public LeafQuery {
     unsigned owned_lanes(std::int32_t triangle) const;
     void drop_foreign(const SortedLeaf& leaf, const Ownership& ownership, Worker& worker) const;
     void narrow(const Worker& builder, Worker& worker) const;
-    void list(const UnsureHit& hit, const CandidateRecord& a, const CandidateRecord& b, PairEnds& next) const;
+    void list(const UncertainTests& hit, const CandidateRecord& a, const CandidateRecord& b, PairEnds& next) const;
     void pass_on(Worker& worker) const;
     FeatureBox box(const CandidateRecord& record, int lane) const;
 
@@ -81,7 +81,7 @@ class CandidateLeaves final : public LeafQuery {
     const FeatureRequest* query_ = nullptr;
     FeatureStream* stream_ = nullptr;  ///< null: candidates stay with the workers
     Normaliser normaliser_;
-    Rounds rounds_;
+    LaneRounds rounds_;
 };
 
 }  // namespace crumple::cpu

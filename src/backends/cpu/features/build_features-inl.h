@@ -115,7 +115,7 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
             store_rows(d, row[4], row[5], row[6], row[7], out);
         }
         // Overwrites the end of each record, where store_rows() has stored unused rows.
-        for (int b = 0; b < blocks; ++b) write_names(in, in.triangle[i + b], features, record[i + b]);
+        for (int b = 0; b < blocks; ++b) write_feature_ids(in, in.triangle[i + b], features, record[i + b]);
 
         if (lanes.any_big(size)) {
             lanes.replace_big(in, i, box, size, boxes, bounds, rewrite_big);

@@ -19,7 +19,7 @@ void build(const BuildInput& in, const SceneFeatures& features, FeatureRecord<mo
         corners_of<moments>(in, in.triangle[i], p);
         const auto member = widened<moments>(in, in.triangle[i], p);
         write_geometry<moments>(p, member, record[i]);
-        write_names(in, in.triangle[i], features, record[i]);
+        write_feature_ids(in, in.triangle[i], features, record[i]);
         add_box(member, i, boxes, bounds);
     }
 }
@@ -94,6 +94,6 @@ constexpr FeatureKernels<moments> table{
 
 }  // namespace
 
-const FeatureTables scalar_features{table<1>, table<2>, leave_open};
+const FeatureTables scalar_features{table<1>, table<2>, leave_unresolved};
 
 }  // namespace crumple::cpu

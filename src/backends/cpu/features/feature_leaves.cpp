@@ -175,7 +175,7 @@ template <int moments>
 std::size_t FeatureLeaves<moments>::own_pairs(const SortedLeaf& leaf, const Ownership& ownership, std::size_t left,
                                               Worker& worker) const {
     const PreparedScene& scene = call_->scene;
-    const GroupFilter& rule = call_->rule;
+    const SceneFilter& rule = call_->rule;
     const auto foreign = [&](std::uint32_t packed) {
         const std::int64_t row = worker.candidates.rows + (packed & 0xffff),
                            column = worker.candidates.columns + (packed >> 16);

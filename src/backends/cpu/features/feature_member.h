@@ -41,8 +41,8 @@ InFrame<3 * moments> widened(const BuildInput& in, std::int32_t triangle, const 
 
 /// Writes the indices of a triangle's features, and which of them it owns.
 template <int moments>
-void write_names(const BuildInput& in, std::int32_t triangle, const SceneFeatures& features,
-                 FeatureRecord<moments>& record) {
+void write_feature_ids(const BuildInput& in, std::int32_t triangle, const SceneFeatures& features,
+                       FeatureRecord<moments>& record) {
     const std::int32_t* corner = in.corners + 3 * std::int64_t{triangle};
     const TriangleEdges& edges = features.edges_of(triangle);
     for (std::size_t k = 0; k < 3; ++k) record.vertex[k] = corner[k], record.edge[k] = edges[k];

@@ -143,7 +143,7 @@ inline void squared(const GuessBatch& batch, double* squared) {
 
 #else
 
-inline void squared(const GuessBatch& batch, double* squared) { leave_open(batch, squared); }
+inline void squared(const GuessBatch& batch, double* squared) { leave_unresolved(batch, squared); }
 
 #endif
 

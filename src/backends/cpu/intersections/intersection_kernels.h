@@ -33,8 +33,8 @@ struct IntersectKernels {
 
     /// Writes the triangles of packed pairs (column << 16 | row), lower id first. Reads and writes up to `padding`
     /// pairs more.
-    void (*name_pairs)(const std::uint32_t* packed, std::size_t count, const RowLink* rows, const RowLink* columns,
-                       Pair* out);
+    void (*triangles_of_pairs)(const std::uint32_t* packed, std::size_t count, const RowLink* rows,
+                               const RowLink* columns, Pair* out);
 };
 
 /// Returns the table of an instruction set. Throws Error (backend_unavailable) if the build or the machine lacks it.

@@ -56,8 +56,8 @@ void filter(const Record* record, const CandidateChunk& candidates, const PointR
     verdicts.undecided.resize(undecided);
 }
 
-void name_pairs(const std::uint32_t* packed, std::size_t count, const RowLink* rows, const RowLink* columns,
-                Pair* out) {
+void triangles_of_pairs(const std::uint32_t* packed, std::size_t count, const RowLink* rows, const RowLink* columns,
+                        Pair* out) {
     for (std::size_t i = 0; i < count; ++i) {
         const std::int32_t a = rows[packed[i] & 0xffff].triangle, b = columns[packed[i] >> 16].triangle;
         out[i] = {std::min(a, b), std::max(a, b)};
@@ -66,6 +66,6 @@ void name_pairs(const std::uint32_t* packed, std::size_t count, const RowLink* r
 
 }  // namespace
 
-const IntersectKernels scalar_intersect{"scalar", build, scatter, filter, name_pairs};
+const IntersectKernels scalar_intersect{"scalar", build, scatter, filter, triangles_of_pairs};
 
 }  // namespace crumple::cpu

@@ -29,8 +29,8 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
     const std::size_t before = scratch.pairs.size();
     scratch.pairs.grow_by(hits.size() + undecided.size() + padding);
     Pair* next = scratch.pairs.data() + before;
-    context.kernels.name_pairs(hits.data(), hits.size(), leaf.link.data() + candidates.rows,
-                               leaf.link.data() + candidates.columns, next);
+    context.kernels.triangles_of_pairs(hits.data(), hits.size(), leaf.link.data() + candidates.rows,
+                                       leaf.link.data() + candidates.columns, next);
     next += hits.size();
     DecisionCounts counts;
     for (const std::uint32_t packed : undecided) {

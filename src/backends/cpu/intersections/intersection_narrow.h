@@ -26,7 +26,7 @@ using PairSink = FunctionRef<void(NarrowScratch& scratch, std::size_t before)>;
 struct NarrowContext {
     const PreparedScene& scene;
     const IntersectionQuery& query;
-    const GroupFilter& rule;
+    const SceneFilter& rule;
     const StageKernels& stages;
     const IntersectKernels& kernels;
     PointRows points;

@@ -14,8 +14,8 @@ namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-inline void name_pairs(const std::uint32_t* HWY_RESTRICT packed, std::size_t count, const RowLink* rows,
-                       const RowLink* columns, Pair* HWY_RESTRICT out) {
+inline void triangles_of_pairs(const std::uint32_t* HWY_RESTRICT packed, std::size_t count, const RowLink* rows,
+                               const RowLink* columns, Pair* HWY_RESTRICT out) {
     const hn::ScalableTag<std::int32_t> d;
     const hn::RebindToUnsigned<decltype(d)> du;
     const std::size_t lanes = hn::Lanes(d);

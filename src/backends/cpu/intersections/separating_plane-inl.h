@@ -27,14 +27,14 @@ struct Corners {
 };
 
 template <class D>
-struct Sides {
+struct PlaneSides {
     hn::Mask<D> left, right;
 };
 
 /// Returns the certain signs of the cross product of two differences of corners, each coordinate of which errs by at
 /// most `delta` beyond its own rounding.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE Sides<D> side_of(D d, V au, V aw, V bu, V bw, hn::TFromD<D> delta, hn::TFromD<D> tiny) {
+HWY_INLINE PlaneSides<D> side_of(D d, V au, V aw, V bu, V bw, hn::TFromD<D> delta, hn::TFromD<D> tiny) {
     using T = hn::TFromD<D>;
     const V m = hn::Mul(au, bw), n = hn::Mul(aw, bu), value = hn::Sub(m, n);
     V error =

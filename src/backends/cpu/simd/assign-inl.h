@@ -35,7 +35,7 @@ inline void assign(const Ball* ball, std::int64_t n, const Centres& centres, std
 
     alignas(64) float reach[max_clusters][max_clusters];  // [k][nearest]
     for (int k = 0; k < centres.count; ++k)
-        for (int j = 0; j < centres.count; ++j) reach[k][j] = bisector_extent(centres[k] - centres[j]);
+        for (int j = 0; j < centres.count; ++j) reach[k][j] = bisector_radius_factor(centres[k] - centres[j]);
     const bool few = centres.count <= lanes;
     HWY_ALIGN float d2[max_clusters * hn::MaxLanes(d)];
     for (std::int64_t i = 0; i < n; i += lanes) {

@@ -8,9 +8,9 @@
 namespace crumple::cpu {
 namespace {
 
-constexpr std::int64_t corners_at_once = 2048;
+constexpr std::int64_t items_at_once = 2048;
 
-std::size_t chunks(std::int64_t n) { return static_cast<std::size_t>((n + corners_at_once - 1) / corners_at_once); }
+std::size_t chunks(std::int64_t n) { return static_cast<std::size_t>((n + items_at_once - 1) / items_at_once); }
 
 template <class T>
 void normalise(const PreparedScene& scene, Workers& workers, Array<T>& points) {
@@ -18,8 +18,8 @@ void normalise(const PreparedScene& scene, Workers& workers, Array<T>& points) {
     const std::int64_t n = scene.vertex_count(), moments = scene.moving ? 2 : 1;
     points.resize_discard(static_cast<std::size_t>(4 * moments * n + padding));
     workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
-        const std::int64_t begin = static_cast<std::int64_t>(part) * corners_at_once,
-                           end = std::min(n, begin + corners_at_once);
+        const std::int64_t begin = static_cast<std::int64_t>(part) * items_at_once,
+                           end = std::min(n, begin + items_at_once);
         const auto write = [&](Vec3d at, std::int64_t row) {
             const Vec3d p = normaliser(at);
             T* out = points.data() + 4 * row;
@@ -62,8 +62,8 @@ bool compute_bounds(const PreparedScene& scene, const Inflation& inflation, cons
     balls.resize_discard(static_cast<std::size_t>(n + padding));
     std::atomic<bool> repeats_corner{false};
     workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
-        const std::int64_t begin = static_cast<std::int64_t>(part) * corners_at_once,
-                           end = std::min(n, begin + corners_at_once);
+        const std::int64_t begin = static_cast<std::int64_t>(part) * items_at_once,
+                           end = std::min(n, begin + items_at_once);
         if (inflation.of_box || inflation.radius || inflation.path_share > 0)
             swept_balls(scene, rows, inflation, begin, end, balls.data());
         else
@@ -92,8 +92,8 @@ void exclude_far(const PreparedScene& scene, Workers& workers, const Array<Ball>
     const std::int64_t n = scene.triangle_count();
     included.resize_discard(static_cast<std::size_t>(n));
     workers.parallel_for(chunks(n), [&](std::size_t part, std::size_t) {
-        const std::int64_t begin = static_cast<std::int64_t>(part) * corners_at_once,
-                           end = std::min(n, begin + corners_at_once);
+        const std::int64_t begin = static_cast<std::int64_t>(part) * items_at_once,
+                           end = std::min(n, begin + items_at_once);
         for (std::int64_t t = begin; t < end; ++t) {
             const Ball& ball = balls[static_cast<std::size_t>(t)];
             const std::size_t other = scene.second(t) ? 0 : 1;

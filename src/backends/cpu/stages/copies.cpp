@@ -4,7 +4,7 @@
 
 namespace crumple::cpu {
 
-void Copies::find(const PreparedScene& scene, const GroupFilter& rule, const Levels& levels,
+void Copies::find(const PreparedScene& scene, const SceneFilter& rule, const Levels& levels,
                   const std::uint8_t* included) {
     next_.clear();
     const auto n = static_cast<std::int32_t>(scene.triangle_count());
@@ -16,7 +16,8 @@ void Copies::find(const PreparedScene& scene, const GroupFilter& rule, const Lev
     const auto alike = [&](std::int32_t t, std::int32_t u) {
         const std::int32_t *c = scene.corners + 3 * std::int64_t{t}, *d = scene.corners + 3 * std::int64_t{u};
         return std::equal(c, c + 3, d) && group(t) == group(u) && scene.second(t) == scene.second(u) &&
-               std::all_of(levels.begin(), levels.end(), [&](const Level& l) { return l.masks[t] == l.masks[u]; });
+               std::all_of(levels.begin(), levels.end(),
+                           [&](const ClusterLevel& l) { return l.masks[t] == l.masks[u]; });
     };
     const auto hash = [&](std::int32_t t) {
         const std::int32_t* c = scene.corners + 3 * std::int64_t{t};

@@ -33,7 +33,7 @@ class Copies {
     /// Finds the classes among the triangles t with included[t], or among all if `included` is null. Triangles of a
     /// class also have equal masks in the levels above the scene. Costs two passes over the corners, so call it only if
     /// some triangle has a repeated vertex; else call clear().
-    void find(const PreparedScene& scene, const GroupFilter& rule, const Levels& levels, const std::uint8_t* included);
+    void find(const PreparedScene& scene, const SceneFilter& rule, const Levels& levels, const std::uint8_t* included);
 
     void clear() { next_.clear(); }
     bool empty() const { return next_.empty(); }

@@ -35,7 +35,7 @@ bool repeats_corner(const std::int32_t* corners, std::int64_t begin, std::int64_
 void assign(const Ball* ball, std::int64_t n, const Centres& centres, std::uint64_t* mask, std::int64_t* count) {
     float reach[max_clusters][max_clusters];
     for (int j = 0; j < centres.count; ++j)
-        for (int k = 0; k < centres.count; ++k) reach[j][k] = bisector_extent(centres[j] - centres[k]);
+        for (int k = 0; k < centres.count; ++k) reach[j][k] = bisector_radius_factor(centres[j] - centres[k]);
     for (std::int64_t i = 0; i < n; ++i) {
         float d2[max_clusters], best = std::numeric_limits<float>::infinity();
         int nearest = 0;

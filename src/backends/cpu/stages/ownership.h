@@ -27,7 +27,7 @@ class Ownership {
     /// `above`: levels above the scene.
     Ownership(const PreparedScene& scene, const Levels& above, const Subdivision& subdivision, const Leaf& leaf)
         : scene_(scene) {
-        for (const crumple::Level& level : above) add_level(level.masks, level.cluster, false);
+        for (const crumple::ClusterLevel& level : above) add_level(level.masks, level.cluster, false);
         add_level(subdivision.mask1.data(), leaf.cluster, false);
         add_level(subdivision.mask2.data(), leaf.child, true);
     }
@@ -42,7 +42,7 @@ class Ownership {
         // If groups need bits, too, clusters get as few as possible.
         const bool as_they_are = !groups_apart && clusters_ <= 16;
         for (std::size_t l = 0; l < count_; ++l) {
-            const Level& level = level_[l];
+            const ClusterLevel& level = level_[l];
             const std::int32_t* at = level.by_member ? member : triangle;
             if (as_they_are) {
                 for (std::int64_t i = 0; i < n; ++i)
@@ -63,7 +63,7 @@ class Ownership {
 
     bool owns(std::int32_t triangle_a, std::int32_t member_a, std::int32_t triangle_b, std::int32_t member_b) const {
         for (std::size_t l = 0; l < count_; ++l) {
-            const Level& level = level_[l];
+            const ClusterLevel& level = level_[l];
             const std::uint64_t both =
                 level.by_member ? level.of(member_a) & level.of(member_b) : level.of(triangle_a) & level.of(triangle_b);
             if (both != 0) return false;
@@ -73,7 +73,7 @@ class Ownership {
 
    private:
     /// Memberships in the clusters of a level that are lower than the leaf's own.
-    struct Level {
+    struct ClusterLevel {
         const std::uint64_t* masks;
         int clusters;    ///< number of these clusters
         bool by_member;  ///< true: masks are indexed by member, else by triangle
@@ -89,7 +89,8 @@ class Ownership {
 
     // Gives each cluster that occurs in the leaf one of the remaining bits, and sets these bits of the members: eight
     // clusters at a time, by a table from their mask bits to the ownership bits.
-    void choose_lanes(const Level& level, const std::int32_t* at, std::int64_t n, int& lane, std::uint16_t* lower) {
+    void choose_lanes(const ClusterLevel& level, const std::int32_t* at, std::int64_t n, int& lane,
+                      std::uint16_t* lower) {
         std::uint64_t seen = 0;
         for (std::int64_t i = 0; i < n; ++i) seen |= level.of(at[i]);
         for (int shift = 0; seen >> shift != 0; shift += 8) {
@@ -142,7 +143,7 @@ class Ownership {
     };
 
     const PreparedScene& scene_;
-    std::array<Level, max_levels + 2> level_;
+    std::array<ClusterLevel, max_levels + 2> level_;
     std::size_t count_ = 0;
     int clusters_ = 0;  // number of lower clusters of all levels
     bool complete_ = true;

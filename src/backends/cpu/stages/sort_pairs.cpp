@@ -80,7 +80,8 @@ void sort_bucket(Key* keys, Key* to, std::int64_t count, Packing<Key> packing, s
 
 template <class Key>
 void sort(Workers& workers, std::span<const Array<Pair>* const> found, PairCounts counts, int second_bits,
-          PairSorting& scratch, Array<Key>& keys, Array<Pair>& pairs, Array<std::int64_t>& offsets, Beside beside) {
+          PairSorting& scratch, Array<Key>& keys, Array<Pair>& pairs, Array<std::int64_t>& offsets,
+          ConcurrentTask beside) {
     const std::int32_t n = counts.firsts;
     const int bucket_bits = bucket_bits_for(n);
     const Packing<Key> packing{bucket_bits};
@@ -147,7 +148,7 @@ void sort(Workers& workers, std::span<const Array<Pair>* const> found, PairCount
 }  // namespace
 
 void sort_pairs(Workers& workers, std::span<const Array<Pair>* const> found, PairCounts counts, PairSorting& scratch,
-                Array<Pair>& pairs, Array<std::int64_t>& offsets, Beside beside) {
+                Array<Pair>& pairs, Array<std::int64_t>& offsets, ConcurrentTask beside) {
     const auto second_bits = static_cast<int>(std::bit_width(static_cast<std::uint32_t>(counts.seconds)));
     if (second_bits + bucket_bits_for(counts.firsts) <= 32)
         sort(workers, found, counts, second_bits, scratch, scratch.keys32, pairs, offsets, beside);

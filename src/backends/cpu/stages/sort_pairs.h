@@ -30,11 +30,11 @@ struct PairCounts {
 };
 
 /// Task that one thread runs while others sort the buckets.
-using Beside = FunctionRef<void(std::span<const std::span<const Pair>> found)>;
+using ConcurrentTask = FunctionRef<void(std::span<const std::span<const Pair>> found)>;
 
 /// Sorts the pairs of the workers' lists `found` into `pairs`; those with first index i are at [offsets[i],
 /// offsets[i + 1]). Runs `beside` on one of the threads.
 void sort_pairs(Workers& workers, std::span<const Array<Pair>* const> found, PairCounts counts, PairSorting& scratch,
-                Array<Pair>& pairs, Array<std::int64_t>& offsets, Beside beside);
+                Array<Pair>& pairs, Array<std::int64_t>& offsets, ConcurrentTask beside);
 
 }  // namespace crumple::cpu

@@ -18,7 +18,7 @@ void CandidateFinder::upload_request(const FeatureRequest& request, bool, Growth
     own.firsts = firsts_of(request);
     place_arrays(
         own.values,
-        [&](Cutter& c) {
+        [&](ArenaLayout& c) {
             own.widening = c.take<Inflation>(1);
             own.normaliser = c.take<Normaliser>(1);
         },
@@ -43,7 +43,7 @@ void CandidateFinder::choose_chunks(Plan& plan, std::int64_t bytes) const {
     plan.choose_candidate_chunks(scene().triangle_count(), options_, bytes, sizeof(RankedCandidate));
 }
 
-void CandidateFinder::cut_rows(Cutter& c) { own().output.cut(c, own().firsts, pass_.plan.hits); }
+void CandidateFinder::cut_rows(ArenaLayout& c) { own().output.cut(c, own().firsts, pass_.plan.hits); }
 
 void CandidateFinder::clear_rows(BatchedClear& batch) const { own().output.clear(batch); }
 
@@ -59,13 +59,13 @@ void CandidateFinder::narrow() {
 }
 
 bool CandidateFinder::write_rows(Counters* host_counters) {
-    write_candidates(geometry_, stream_, hits(), own().output, pass_.counters, host_counters);
+    write_feature_rows(geometry_, stream_, hits(), own().output, pass_.counters, host_counters);
     return true;
 }
 
 void CandidateFinder::find_in_chunks() {
     begin_on_host();
-    place_arrays(slot().rows, [&](Cutter& c) { own().output.cut(c, own().firsts, 0); });
+    place_arrays(slot().rows, [&](ArenaLayout& c) { own().output.cut(c, own().firsts, 0); });
     Array<RankedCandidate> found(&meter_);
     bool first = true;
     over_chunks([&] {

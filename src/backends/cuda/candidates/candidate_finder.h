@@ -39,7 +39,7 @@ class CandidateFinder final : public RowFinder {
     KernelParameters parameters() const override { return CandidateParameters{own().asked, own().firsts}; }
     void choose_plan(Plan& plan) const override;
     void choose_chunks(Plan& plan, std::int64_t bytes) const override;
-    void cut_rows(Cutter& cutter) override;
+    void cut_rows(ArenaLayout& cutter) override;
     void clear_rows(BatchedClear& batch) const override;
     void make_ready() override;
     void narrow() override;

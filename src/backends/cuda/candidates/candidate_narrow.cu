@@ -12,8 +12,8 @@ namespace crumple::cuda {
 
 template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, const Points&, int, const Segments&,
                            const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<2>&,
-                           const CandidateRows&, const List<Unit>&, Counters*);
-template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
+                           const CandidateMembers&, const List<SweepUnit>&, Counters*);
+template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<SweepUnit>&,
                     const Ownership&, const PairSelection&, const OverlapAlone&, const List<Candidate>&, const Slice&,
                     Counters*);
 template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const CandidateOutput&, Counters*);
@@ -74,7 +74,7 @@ class SelectedLanes {
             for (int b = 0; b < lanes; ++b) wanted_ |= std::uint64_t{asked.wants(kind_of(a, b))} << (lanes * a + b);
     }
     // Returns the requested pairs that the two triangles own and that have no vertex in common.
-    __device__ std::uint64_t of(const CandidateRow& a, const CandidateRow& b) const {
+    __device__ std::uint64_t of(const CandidateMember& a, const CandidateMember& b) const {
         std::uint64_t pairs = 0;
         for (int lane = 0; lane < lanes; ++lane)
             if (a.owned >> lane & 1) pairs |= std::uint64_t{b.owned} << (lanes * lane);
@@ -96,8 +96,8 @@ class SelectedLanes {
 // features to test, few of 49. These wait in a queue until there is one per lane of the warp.
 template <int threads>
 __global__ void __launch_bounds__(threads)
-    pair_kernel(CandidateConditions asked, const CandidateRow* row, List<Candidate> survivors, CandidateHits hits,
-                unsigned long long* codimensional_count) {
+    pair_kernel(CandidateConditions asked, const CandidateMember* row, List<Candidate> survivors, CandidateHits hits,
+                unsigned long long* codimensional_tests) {
     auto& shared = dynamic_shared<PairShared<threads>>().warp[threadIdx.x / 32];
     WarpQueue<LanePair> pairs(shared.pairs);
     HitQueue found(shared.hits, hits.list);
@@ -110,7 +110,7 @@ __global__ void __launch_bounds__(threads)
         Pair pair{};
         const auto of_a = static_cast<int>(p.a), of_b = static_cast<int>(p.b);
         if (threadIdx.x % 32 < taken) {
-            const CandidateRow &a = row[p.rows.row], &b = row[p.rows.column];
+            const CandidateMember &a = row[p.rows.row], &b = row[p.rows.column];
             const CandidateBox box_a = a.box[of_a], box_b = b.box[of_b];
             const float between = gap(box_a, box_b);
             is_hit = between < 0 ||
@@ -134,7 +134,7 @@ __global__ void __launch_bounds__(threads)
     }
     while (pairs.size()) test();
     found.move();
-    if (threadIdx.x % 32 == 0 && tests) atomicAdd(codimensional_count, tests);
+    if (threadIdx.x % 32 == 0 && tests) atomicAdd(codimensional_tests, tests);
 }
 
 __global__ void within_kernel(PreparedScene scene, PairSelection pairs, CandidateConditions asked, CandidateHits hits) {
@@ -183,7 +183,7 @@ __global__ void normaliser_kernel(const SceneBox* box, double inflation, Inflati
 }  // namespace
 
 void find_candidates(const Geometry& geometry, cudaStream_t stream, const CandidateConditions& asked,
-                     const CandidateRow* row, const List<Candidate>& survivors, const CandidateHits& hits,
+                     const CandidateMember* row, const List<Candidate>& survivors, const CandidateHits& hits,
                      Counters* counters) {
     const auto find = [&]<int threads>() {
         constexpr auto kernel = pair_kernel<threads>;
@@ -201,13 +201,13 @@ void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedSc
         within_kernel, scene, pairs, asked, hits);
 }
 
-void CandidateOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t most) {
+void CandidateOutput::cut(ArenaLayout& c, const FirstOfKind& features, std::size_t most) {
     RowsByKind::cut(c, features, most, false);
     bucketed = c.take<BucketedPair>(most);
 }
 
-void write_candidates(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
-                      const CandidateOutput& output, Counters* counters, Counters* told) {
+void write_feature_rows(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
+                        const CandidateOutput& output, Counters* counters, Counters* told) {
     make_offsets(geometry, stream, output.firsts.all(), output, counters);
     Launch{stream, geometry.blocks(hits.list.capacity), geometry.threads}(bucket_kernel, hits, output);
     order_buckets(geometry, stream, output.firsts.all(), output, counters, told);

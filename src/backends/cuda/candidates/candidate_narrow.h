@@ -38,7 +38,7 @@ struct CandidateHits {
 
 /// Lists the hits among features of two triangles.
 void find_candidates(const Geometry& geometry, cudaStream_t stream, const CandidateConditions& asked,
-                     const CandidateRow* row, const List<Candidate>& survivors, const CandidateHits& hits,
+                     const CandidateMember* row, const List<Candidate>& survivors, const CandidateHits& hits,
                      Counters* counters);
 /// Lists the hits within single triangles: two vertices, or a vertex and the opposite edge.
 void find_within(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const PairSelection& pairs,
@@ -48,7 +48,7 @@ struct CandidateOutput : RowsByKind {
     using Key = std::int32_t;
     BucketedPair* bucketed;  ///< pairs by first feature; unsorted within a bucket
 
-    void cut(Cutter& cutter, const FirstOfKind& features, std::size_t most);
+    void cut(ArenaLayout& cutter, const FirstOfKind& features, std::size_t most);
 
     __device__ std::int32_t first_of(unsigned long long i) const { return bucketed[i].first; }
     __device__ Key key(unsigned long long i) const { return bucketed[i].second; }
@@ -61,8 +61,8 @@ struct CandidateOutput : RowsByKind {
 
 /// Turns the listed hits, which are counted by first feature, into rows of the result. For the last argument, see
 /// order_buckets().
-void write_candidates(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
-                      const CandidateOutput& output, Counters* counters, Counters* told);
+void write_feature_rows(const Geometry& geometry, cudaStream_t stream, const CandidateHits& hits,
+                        const CandidateOutput& output, Counters* counters, Counters* told);
 
 /// Computes the normaliser of the scene's box, and the inflation in normalised coordinates.
 void make_normaliser(cudaStream_t stream, const SceneBox* box, double inflation, Inflation* widening,

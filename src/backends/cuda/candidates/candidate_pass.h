@@ -13,14 +13,14 @@ class CandidatePass : public Pass {
 
     CandidateConditions asked;
 
-    void cut(Cutter& c) override {
+    void cut(ArenaLayout& c) override {
         Pass::cut(c);
-        rows_ = c.take<CandidateRow>(plan.last_members());
+        rows_ = c.take<CandidateMember>(plan.last_members());
         hits_ = c.take<RankedCandidate>(plan.hits);
     }
 
     // In a static scene Primitives::ends is 0, so end positions are those of the start.
-    void sort() override { sort_by(Widened<2>{primitives.ends, primitives.inflation}, CandidateRows{rows_, asked}); }
+    void sort() override { sort_by(Widened<2>{primitives.ends, primitives.inflation}, CandidateMembers{rows_, asked}); }
     void sweep(const Slice& slice) override { sweep_by(slice, OverlapAlone{}); }
     void narrow(const CandidateHits& hits) {
         find_candidates(geometry_, stream_, asked, rows_, survivors(), hits, counters);
@@ -30,7 +30,7 @@ class CandidatePass : public Pass {
     List<RankedCandidate> hits() const { return {hits_, &counters->hits, plan.hits}; }
 
    private:
-    CandidateRow* rows_ = nullptr;
+    CandidateMember* rows_ = nullptr;
     RankedCandidate* hits_ = nullptr;
 };
 

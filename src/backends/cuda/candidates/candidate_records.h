@@ -57,7 +57,7 @@ struct alignas(16) CandidateBox {
 };
 
 /// Triangle in a leaf: a CandidateRecord, stored box by box, because a thread reads one box at a time.
-struct alignas(64) CandidateRow {
+struct alignas(64) CandidateMember {
     CandidateBox box[candidate_lanes - 1];
     std::int32_t vertex[3];
     std::uint32_t owned;
@@ -65,13 +65,13 @@ struct alignas(64) CandidateRow {
     std::int32_t unused;
 };
 
-struct CandidateRows {
-    CandidateRow* row;
+struct CandidateMembers {
+    CandidateMember* row;
     CandidateConditions asked;
 
     __device__ void put(std::uint32_t place, std::int32_t triangle, const Vec3d*, const std::int32_t id[3],
                         const InFrame<6>&, const Frame& frame) const {
-        CandidateRow made;
+        CandidateMember made;
         const unsigned owned = asked.owned_lanes(triangle);
         const CandidateKey key{*asked.normaliser, {frame.origin.x, frame.origin.y, frame.origin.z}};
         const Vec3d r{asked.inflation, asked.inflation, asked.inflation};

@@ -20,7 +20,7 @@ unsigned long long capture_of(cudaStream_t stream) {
 void CallersCapture::lead_back(cudaStream_t stream) const noexcept {
     try {
         if (capture_of(beside_.stream()) != 0) beside_.join(own_);
-        order(turn_, own_, stream);
+        order(ordering_event_, own_, stream);
     } catch (...) {  // the capture is invalid, which the caller will notice
     }
 }

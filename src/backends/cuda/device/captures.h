@@ -22,21 +22,21 @@ class CallersCapture {
    public:
     /// `own`: our stream. `beside`: the side branch that work on our stream may fork.
     CallersCapture(const Device& device, cudaStream_t own, const Branch& beside)
-        : own_(own), beside_(beside), turn_(make_event(device)) {}
+        : own_(own), beside_(beside), ordering_event_(make_event(device)) {}
 
     /// Adds the work that enqueue() gives to our stream to the capture of `stream`. If enqueue() throws, joins the
     /// streams all the same, so that the capture can go on unless CUDA has invalidated it.
     template <class Enqueue>
     void add(cudaStream_t stream, Enqueue enqueue) const {
         const CaptureMode strict(cudaStreamCaptureModeThreadLocal);  // allocating or waiting is an error meanwhile
-        order(turn_, stream, own_);
+        order(ordering_event_, stream, own_);
         try {
             enqueue();
         } catch (...) {
             lead_back(stream);
             throw;
         }
-        order(turn_, own_, stream);
+        order(ordering_event_, own_, stream);
     }
 
    private:
@@ -44,7 +44,7 @@ class CallersCapture {
 
     cudaStream_t own_;
     const Branch& beside_;
-    Event turn_;
+    Event ordering_event_;
 };
 
 }  // namespace crumple::cuda

@@ -64,17 +64,17 @@ void order(const Event& event, cudaStream_t first, cudaStream_t then);
 /// is a branch of the graph.
 class Branch {
    public:
-    explicit Branch(const Device& device) : stream_(make_stream(device)), turn_(make_event(device)) {}
+    explicit Branch(const Device& device) : stream_(make_stream(device)), ordering_event_(make_event(device)) {}
     cudaStream_t fork(cudaStream_t from) const {
-        order(turn_, from, stream_.get());
+        order(ordering_event_, from, stream_.get());
         return stream_.get();
     }
-    void join(cudaStream_t into) const { order(turn_, stream_.get(), into); }
+    void join(cudaStream_t into) const { order(ordering_event_, stream_.get(), into); }
     cudaStream_t stream() const { return stream_.get(); }
 
    private:
     Stream stream_;
-    Event turn_;
+    Event ordering_event_;
 };
 
 /// Timing of the stages, by an event at the start of each and one at the end.

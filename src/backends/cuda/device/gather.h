@@ -27,7 +27,7 @@ class Gathered {
     void each(const Pair* pairs, std::size_t n, std::int32_t second, Use use) {
         std::vector<Triangle> host(2 * std::min(n, batch));
         Triangle* device = nullptr;
-        place_arrays(block_, [&](Cutter& c) { device = cut(c, n); });
+        place_arrays(block_, [&](ArenaLayout& c) { device = cut(c, n); });
         // Initialises the padding of the Triangles, which is downloaded, too.
         fill(stream_, device, 0, host.size() * sizeof(Triangle));
         for (std::size_t begin = 0; begin < n; begin += batch) {
@@ -41,7 +41,7 @@ class Gathered {
     }
 
     /// Takes the device memory that each() needs for n pairs from the cutter.
-    static Triangle* cut(Cutter& cutter, std::size_t n) { return cutter.take<Triangle>(2 * std::min(n, batch)); }
+    static Triangle* cut(ArenaLayout& cutter, std::size_t n) { return cutter.take<Triangle>(2 * std::min(n, batch)); }
 
    private:
     static constexpr std::size_t batch = 4096;

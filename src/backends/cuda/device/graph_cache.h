@@ -69,7 +69,7 @@ void forget_place(T*& place) {
 template <class Key>
 class GraphCache {
    public:
-    GraphCache(const Device& device, cudaStream_t own) : own_(own), turn_(make_event(device)) {}
+    GraphCache(const Device& device, cudaStream_t own) : own_(own), ordering_event_(make_event(device)) {}
 
     /// Enqueues the work on `stream`, in one of the ways above. enqueue() gives the work to our own stream.
     template <class Enqueue>
@@ -101,9 +101,9 @@ class GraphCache {
     /// Enqueues work that will not be repeated, launch by launch.
     template <class Enqueue>
     void run_once(cudaStream_t stream, Enqueue enqueue) const {
-        order(turn_, stream, own_);
+        order(ordering_event_, stream, own_);
         enqueue();
-        order(turn_, own_, stream);
+        order(ordering_event_, own_, stream);
     }
 
     void clear() {
@@ -119,7 +119,7 @@ class GraphCache {
     };
 
     cudaStream_t own_;
-    Event turn_;
+    Event ordering_event_;
     std::array<Kept, 8> kept_;  ///< most recently used first; enough for two slots that alternate between buffers
     Kept moving_;               ///< graph that work of one shape shares; its key is that shape
 };

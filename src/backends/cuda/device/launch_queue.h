@@ -41,7 +41,7 @@ class LaunchQueue {
         ++count_;
     }
     /// Removes the oldest launch, of which there must be one, waits for its pass, and returns its slot.
-    std::size_t land() {
+    std::size_t complete_oldest() {
         const std::size_t finished = oldest();
         --count_;
         CRUMPLE_CUDA(cudaEventSynchronize(done_[finished].get()));

@@ -89,9 +89,9 @@ void copy_now(cudaStream_t stream, T* to, const T* from, std::size_t n, cudaMemc
 }
 
 /// Divides a block into arrays, one after another. Without a block, only measures how much memory the arrays need.
-class Cutter {
+class ArenaLayout {
    public:
-    explicit Cutter(std::byte* block = nullptr) : block_(block) {}
+    explicit ArenaLayout(std::byte* block = nullptr) : block_(block) {}
     template <class T>
     /// Returns the next n elements of the block; null without a block.
     T* take(std::size_t n) {
@@ -118,10 +118,10 @@ struct CapacityError {};
 /// to place them.
 template <class Cut>
 void place_arrays(Block& block, Cut cut, Growth growth = Growth::grows) {
-    Cutter measure;
+    ArenaLayout measure;
     cut(measure);
     if (growth == Growth::fixed && measure.used() > block.capacity()) throw CapacityError{};
-    Cutter cutter(block.resize(measure.used()));
+    ArenaLayout cutter(block.resize(measure.used()));
     cut(cutter);
 }
 

@@ -14,7 +14,7 @@ namespace crumple::cuda {
 template <class T>
 class Mirror {
    public:
-    explicit Mirror(MemoryMeter& meter) : block_(meter), there_(&meter) {}
+    explicit Mirror(MemoryMeter& meter) : block_(meter), uploaded_(&meter) {}
 
     /// Returns the device's copy of `host`, which need not outlive the call. Throws CapacityError if an upload is
     /// needed, but `growth` is fixed.
@@ -22,23 +22,23 @@ class Mirror {
         const void* const before = block_.data();
         T* device = nullptr;
         place_arrays(
-            block_, [&](Cutter& c) { device = c.take<T>(host.size()); }, growth);
-        if (block_.data() == before && std::ranges::equal(there_, host)) return device;
+            block_, [&](ArenaLayout& c) { device = c.take<T>(host.size()); }, growth);
+        if (block_.data() == before && std::ranges::equal(uploaded_, host)) return device;
         if (growth == Growth::fixed) throw CapacityError{};
-        there_.clear();  // if the copy fails, the contents are unknown
+        uploaded_.clear();  // if the copy fails, the contents are unknown
         copy_now(stream, device, host.data(), host.size(), cudaMemcpyHostToDevice);
-        std::ranges::copy(host, there_.resize_discard(host.size()));
+        std::ranges::copy(host, uploaded_.resize_discard(host.size()));
         return device;
     }
 
     void release() {
         block_.release();
-        there_.release();
+        uploaded_.release();
     }
 
    private:
     Block block_;
-    Array<T> there_;
+    Array<T> uploaded_;
 };
 
 }  // namespace crumple::cuda

@@ -35,7 +35,7 @@ struct BackendState {
     const Geometry geometry = device.geometry();
     const Stream stream = make_stream(device);  ///< the backend's own stream
     const Event before = make_event(device);
-    LaunchQueue flights{device};
+    LaunchQueue launches_in_flight{device};
     /// Inputs by slot. A slot belongs to one launch at a time, of any query.
     std::array<Input, LaunchQueue::slots> inputs{Input(device.index(), stream.get(), meter),
                                                  Input(device.index(), stream.get(), meter)};

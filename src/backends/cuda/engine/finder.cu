@@ -145,7 +145,7 @@ void Finder::count(const Counters& c, const Plan& plan) {
 
 void Finder::find() {
     statistics_ = {};
-    state_.flights.synchronize();  // passes in flight use the same lists
+    state_.launches_in_flight.synchronize();  // passes in flight use the same lists
     if (slot().low_memory || !fits_at_once([&] { find_at_once(); })) {
         refuse_worlds();
         in_chunks([&] { find_in_chunks(); });
@@ -250,17 +250,17 @@ Finder::Layout Finder::layout() const {
 
 void Finder::place_lists() {
     if (layout_done_ == layout()) return;
-    state_.flights.synchronize();  // passes in flight use memory that may move now
+    state_.launches_in_flight.synchronize();  // passes in flight use memory that may move now
     layout_done_.reset();
     lists_of_ = nobody;
-    place_arrays(warm_starts_, [&](Cutter& c) { stages_.warm_starts.cut(c, stages_.plan); });
-    place_arrays(work_, [&](Cutter& c) { stages_.cut(c); });
+    place_arrays(warm_starts_, [&](ArenaLayout& c) { stages_.warm_starts.cut(c, stages_.plan); });
+    place_arrays(work_, [&](ArenaLayout& c) { stages_.cut(c); });
     layout_done_ = layout();
 }
 
 void Finder::place_rows(Growth growth) {
     place_arrays(
-        slot().rows, [&](Cutter& c) { cut_rows(c); }, growth);
+        slot().rows, [&](ArenaLayout& c) { cut_rows(c); }, growth);
     slot().on_host = false;
     slot().plan = stages_.plan;
     lists_of_ = now_;
@@ -281,13 +281,13 @@ bool Finder::fits_at_once(FunctionRef<void()> work) {
 }
 
 bool Finder::free_others() {
-    state_.flights.synchronize();
+    state_.launches_in_flight.synchronize();
     const std::int64_t before = meter_.used;
     for (std::size_t i = 0; i < slots_.size(); ++i) {
         if (i == now_) continue;
         slots_[i].lost = true;
         release_rows(i);
-        if (!state_.flights.holds(i)) state_.inputs[i].release();
+        if (!state_.launches_in_flight.holds(i)) state_.inputs[i].release();
     }
     const bool freed = meter_.used < before;
     alone_ = alone_ || freed;

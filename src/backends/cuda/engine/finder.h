@@ -102,7 +102,7 @@ class Finder {
     virtual void choose_plan(Plan& plan) const = 0;
     virtual void choose_chunks(Plan& plan, std::int64_t bytes) const = 0;
     /// Takes the arrays of the result, with capacity for Plan::hits rows, from the cutter.
-    virtual void cut_rows(Cutter& cutter) = 0;
+    virtual void cut_rows(ArenaLayout& cutter) = 0;
     virtual void clear_rows(BatchedClear& batch) const = 0;
     /// Enqueues what the query needs after the work of the input (Input::enqueue) and before stage `bounds`.
     virtual void make_ready() {}

@@ -21,8 +21,8 @@ void Finder::in_chunks(FunctionRef<void()> work) {
 
 // Places the lists and finds the scene's clusters, whose members are then listed one cluster at a time.
 void Finder::place_chunks() {
-    place_arrays(warm_starts_, [&](Cutter& c) { stages_.warm_starts.cut(c, stages_.plan); });
-    place_arrays(work_, [&](Cutter& c) { stages_.cut(c); });
+    place_arrays(warm_starts_, [&](ArenaLayout& c) { stages_.warm_starts.cut(c, stages_.plan); });
+    place_arrays(work_, [&](ArenaLayout& c) { stages_.cut(c); });
     BatchedClear batch;
     stages_.clear(batch);
     input().clear(batch);

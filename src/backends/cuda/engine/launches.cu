@@ -60,7 +60,7 @@ Launches::Outcome Launches::wait(Finder& finder, std::uint64_t revision) {
     if (phase_ == Phase::captured) return wait_for_replay(finder);
     end_state();
     waited_ = oldest();
-    finder.resume(flights_.land());
+    finder.resume(flights_.complete_oldest());
     try {
         if (finder.accept_launched(revision)) return Outcome::complete;
     } catch (const MeshChanged&) {

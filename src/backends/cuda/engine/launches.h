@@ -15,7 +15,7 @@ static_assert(LaunchQueue::slots == most_in_flight);
 
 class Launches {
    public:
-    explicit Launches(BackendState& state) : state_(state), flights_(state.flights) {}
+    explicit Launches(BackendState& state) : state_(state), flights_(state.launches_in_flight) {}
 
     /// Enqueues a pass on `stream`, or adds it to the capture that the stream takes part in. bind(slot, growth) makes
     /// the finder work on a slot and binds the inputs, which are ready once the work that `stream` and `other` have so

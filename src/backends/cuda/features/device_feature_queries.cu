@@ -9,14 +9,14 @@ namespace crumple::cuda {
 FeatureCalls::FeatureCalls(BackendState& state, Launches& launches)
     : state_(state),
       launches_(launches),
-      features_there_(state.stream.get(), state.meter, state.flights),
-      features_(state, features_there_),
-      candidates_(state, features_there_) {}
+      device_features_(state.stream.get(), state.meter, state.launches_in_flight),
+      features_(state, device_features_),
+      candidates_(state, device_features_) {}
 
 void FeatureCalls::release() {
     features_.release();
     candidates_.release();
-    features_there_.release();
+    device_features_.release();
 }
 
 RowFinder& FeatureCalls::finder_for(const FeatureRequest& request) {
@@ -95,7 +95,7 @@ std::optional<AnyDeviceResult> FeatureCalls::wait(LaunchNumber launch) {
     launches_.check_awaited(launch);
     RowFinder& finder = *launched_[launch % most_in_flight];
     return with_device(state_.device, [&]() -> std::optional<AnyDeviceResult> {
-        const Launches::Outcome outcome = launches_.wait(finder, features_there_.known().revision);
+        const Launches::Outcome outcome = launches_.wait(finder, device_features_.known().revision);
         if (outcome == Launches::Outcome::lost) return {};
         launches_.mark_reported(launch);
         return outcome == Launches::Outcome::complete ? finder.show() : finder.show_incomplete();

@@ -37,7 +37,7 @@ class FeatureCalls final : public DeviceFeatureCalls {
 
     BackendState& state_;
     Launches& launches_;
-    FeaturesOnDevice features_there_;
+    FeaturesOnDevice device_features_;
     FeatureFinder features_;
     CandidateFinder candidates_;
     std::array<RowFinder*, most_in_flight> launched_{};  ///< finder of each launch, by its number modulo most_in_flight

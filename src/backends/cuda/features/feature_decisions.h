@@ -107,11 +107,11 @@ struct ProximityDecision {
     const double* radii;
     RestTable rest;
 
-    ProximityDecision(const ExactPoints& exact, const FeatureConditions& asked, bool only_whether)
+    ProximityDecision(const ExactPoints& exact, const FeatureConditions& asked, bool any_only)
         : points(exact),
           distance(asked.distance),
           strict(asked.strict),
-          any(only_whether),
+          any(any_only),
           radii(asked.radii),
           rest(asked.rest) {}
 

@@ -41,11 +41,11 @@ void FeatureFinder::choose_plan(Plan& plan) const {
 }
 
 void FeatureFinder::choose_chunks(Plan& plan, std::int64_t bytes) const {
-    constexpr std::size_t of_test = 2 * sizeof(FeatureTest) + sizeof(OpenTest) + sizeof(RankedHit);
+    constexpr std::size_t of_test = 2 * sizeof(FeatureTest) + sizeof(UnresolvedTest) + sizeof(RankedHit);
     plan.choose_feature_chunks(scene().triangle_count(), all_kinds(), options_, bytes, of_test);
 }
 
-void FeatureFinder::cut_rows(Cutter& c) {
+void FeatureFinder::cut_rows(ArenaLayout& c) {
     own().earliest = c.take<Earliest>(1);
     own().output.cut(c, firsts(), is_all_output() ? pass_.plan.hits : 0);
 }
@@ -69,8 +69,8 @@ void FeatureFinder::narrow() {
 
 bool FeatureFinder::write_rows(Counters* host_counters) {
     if (is_all_output())
-        write_candidates(geometry_, stream_, hits(), own().output, pass_.counters,
-                         is_first_output() ? nullptr : host_counters);
+        write_feature_rows(geometry_, stream_, hits(), own().output, pass_.counters,
+                           is_first_output() ? nullptr : host_counters);
     if (is_first_output()) find_earliest(geometry_, stream_, hits(), own().earliest, pass_.counters, host_counters);
     return is_all_output() || is_first_output();
 }
@@ -79,7 +79,7 @@ bool FeatureFinder::write_rows(Counters* host_counters) {
 void FeatureFinder::append_decided(std::size_t count, unsigned long long before) {
     Block block(meter_);
     RankedHit* device = nullptr;
-    place_arrays(block, [&](Cutter& c) { device = c.take<RankedHit>(count); });
+    place_arrays(block, [&](ArenaLayout& c) { device = c.take<RankedHit>(count); });
     copy_now(stream_, device, decided_.data(), count, cudaMemcpyHostToDevice);
     append_hits(geometry_, stream_, device, count, before, hits());
     rank_hits(geometry_, stream_, hits());
@@ -92,7 +92,7 @@ std::size_t FeatureFinder::decide_unresolved(std::size_t count) {
     std::vector<PackedFeatures> cases(std::min(count, batch));
     Block block(meter_);
     PackedFeatures* device = nullptr;
-    place_arrays(block, [&](Cutter& c) { device = c.take<PackedFeatures>(cases.size()); });
+    place_arrays(block, [&](ArenaLayout& c) { device = c.take<PackedFeatures>(cases.size()); });
     fill(stream_, device, 0, cases.size() * sizeof(PackedFeatures));  // padding is copied, too
     for (std::size_t begin = 0; begin < count; begin += batch) {
         const std::size_t some = std::min(batch, count - begin);
@@ -127,7 +127,7 @@ void FeatureFinder::read_earliest() {
 
 void FeatureFinder::find_in_chunks() {
     begin_on_host();
-    place_arrays(slot().rows, [&](Cutter& c) { own().output.cut(c, firsts(), 0); });
+    place_arrays(slot().rows, [&](ArenaLayout& c) { own().output.cut(c, firsts(), 0); });
     Array<RankedHit> found(&meter_);
     over_chunks([&] { return download_slice(found); });
     drop_lists();

@@ -44,7 +44,7 @@ class FeatureFinder final : public RowFinder {
     bool all_kinds() const override { return own().features.all_kinds(); }
     void choose_plan(Plan& plan) const override;
     void choose_chunks(Plan& plan, std::int64_t bytes) const override;
-    void cut_rows(Cutter& cutter) override;
+    void cut_rows(ArenaLayout& cutter) override;
     void clear_rows(BatchedClear& batch) const override;
     void make_ready() override;
     void narrow() override;

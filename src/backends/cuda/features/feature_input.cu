@@ -61,16 +61,16 @@ const FeatureTable& FeaturesOnDevice::bring(const SceneFeatures& features, std::
     std::uint8_t* owned = nullptr;
     std::int32_t *corners = nullptr, *names = nullptr, *points = nullptr;
     PointsOfTriangle* points_of = nullptr;
-    NamedNeighbours* neighbours = nullptr;
+    AdjacentVertices* neighbours = nullptr;
     Edge* edges = nullptr;
     known_ = {};
-    place_arrays(block_, [&](Cutter& c) {
+    place_arrays(block_, [&](ArenaLayout& c) {
         edges_of = c.take<TriangleEdges>(triangles);
         owned = c.take<std::uint8_t>(triangles);
         corners = c.take<std::int32_t>(3 * triangles);
         names = c.take<std::int32_t>(host.names ? named : 0);
         points_of = c.take<PointsOfTriangle>(host.points_of ? triangles : 0);
-        neighbours = c.take<NamedNeighbours>(host.neighbours ? named : 0);
+        neighbours = c.take<AdjacentVertices>(host.neighbours ? named : 0);
         edges = c.take<Edge>(edge_count);
         points = c.take<std::int32_t>(point_count);
     });
@@ -112,7 +112,7 @@ RingTable FeaturesOnDevice::bring(const VertexRings* rings, Growth growth) {
     std::int32_t* others = nullptr;
     std::int64_t* firsts = nullptr;
     ring_table_ = {};
-    place_arrays(rings_, [&](Cutter& c) {
+    place_arrays(rings_, [&](ArenaLayout& c) {
         firsts = c.take<std::int64_t>(first.size());
         others = c.take<std::int32_t>(std::max<std::size_t>(1, of.size()));
     });
@@ -150,7 +150,7 @@ void FeatureInput::place_values(const PreparedScene& scene, const FeatureRequest
     viewed_ = viewed;
     place_arrays(
         block_,
-        [&](Cutter& c) {
+        [&](ArenaLayout& c) {
             inflation_ = c.take<Inflation>(1);
             radius_ = c.take<double>(radii && !viewed ? vertices : 0);
             vertex_radius_ = c.take<float>(radii ? vertices : 0);

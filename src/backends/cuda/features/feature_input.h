@@ -16,8 +16,8 @@ namespace crumple::cuda {
 /// Device copies of a scene's features and vertex rings, cached while these stay the same.
 class FeaturesOnDevice {
    public:
-    FeaturesOnDevice(cudaStream_t stream, MemoryMeter& meter, const LaunchQueue& flights)
-        : stream_(stream), flights_(flights), block_(meter), rings_(meter) {}
+    FeaturesOnDevice(cudaStream_t stream, MemoryMeter& meter, const LaunchQueue& launches_in_flight)
+        : stream_(stream), flights_(launches_in_flight), block_(meter), rings_(meter) {}
 
     /// Uploads the host's features or rings unless they are the cached ones. The upload is complete on return; the
     /// returned table is valid until the next call. If the cached ones have to be replaced, waits for passes in flight,

@@ -140,8 +140,8 @@ __global__ void __launch_bounds__(threads) list_kernel(FeatureSurvivors<moments>
 // Lists tests of all kinds, for scenes with codimensional edges and points. Each thread keeps its tests on its stack,
 // not in a queue of its warp: such scenes are rods and particles, in which few pairs are near.
 template <int moments>
-__global__ void listed_kernel(FeatureSurvivors<moments> survivors, TestFilter<moments> filter, TestLists tests,
-                              FeatureHits hits, unsigned long long* listed) {
+__global__ void codimensional_tests_kernel(FeatureSurvivors<moments> survivors, TestFilter<moments> filter,
+                                           TestLists tests, FeatureHits hits, unsigned long long* listed) {
     constexpr int most[feature_kinds] = {6, 9, 4, 1}, first[feature_kinds] = {0, 6, 15, 19};
     const unsigned long long n = survivors.list.filled(), warps_end = (n + 31) / 32 * 32;
     const FeatureTable& features = filter.asked.features;
@@ -216,7 +216,7 @@ __device__ void for_each_kind(Work work) {
 
 template <class Query, bool of_lists>
 __global__ void __launch_bounds__(256)
-    decide_kernel(Query query, TestLists tests, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
+    decide_kernel(Query query, TestLists tests, TestLists open, List<UnresolvedTest> beyond, FeatureHits hits) {
     for_each_kind<of_lists>([&]<FeatureKind kind>() {
         constexpr auto k = static_cast<std::size_t>(kind);
         const auto quick = [&](const FeatureTest& test) { return query.template quick<kind>(test); };
@@ -224,26 +224,26 @@ __global__ void __launch_bounds__(256)
             decide_each<kind>(tests.of[k], hits, quick, open.of[k], [](const FeatureTest& test) { return test; });
         else
             decide_each<kind>(tests.of[k], hits, quick, beyond, [](const FeatureTest& test) {
-                return OpenTest{test, kind};
+                return UnresolvedTest{test, kind};
             });
     });
 }
 
 template <class Query, bool of_lists>
 __global__ void __launch_bounds__(256)
-    close_kernel(Query query, TestLists open, List<OpenTest> beyond, FeatureHits hits) {
+    close_kernel(Query query, TestLists open, List<UnresolvedTest> beyond, FeatureHits hits) {
     for_each_kind<of_lists>([&]<FeatureKind kind>() {
         const auto close = [&](const FeatureTest& test) { return query.template close<kind>(test); };
         decide_each<kind>(open.of[static_cast<std::size_t>(kind)], hits, close, beyond, [](const FeatureTest& test) {
-            return OpenTest{test, kind};
+            return UnresolvedTest{test, kind};
         });
     });
 }
 
-__global__ void pack_kernel(ExactPoints points, FeatureConditions asked, const OpenTest* tests, std::size_t count,
+__global__ void pack_kernel(ExactPoints points, FeatureConditions asked, const UnresolvedTest* tests, std::size_t count,
                             PackedFeatures* cases) {
     for (std::size_t i = grid_thread(); i < count; i += grid_stride()) {
-        const OpenTest open = tests[i];
+        const UnresolvedTest open = tests[i];
         const auto& v = open.test.vertex;
         PackedFeatures& made = cases[i];
         made.kind = open.kind;
@@ -311,7 +311,7 @@ void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurv
     const TestFilter<moments> filter{points, ends, asked};
     if (all_kinds) {
         Launch{stream, geometry.blocks(survivors.list.capacity), geometry.threads}(
-            listed_kernel<moments>, survivors, filter, tests, hits, &counters->listed);
+            codimensional_tests_kernel<moments>, survivors, filter, tests, hits, &counters->listed);
         return;
     }
     const auto list = [&]<int threads>() {
@@ -329,7 +329,7 @@ template void list_tests(const Geometry&, cudaStream_t, const FeatureSurvivors<2
 
 void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
                   const FeatureConditions& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
-                  const List<OpenTest>& beyond, const FeatureHits& hits) {
+                  const List<UnresolvedTest>& beyond, const FeatureHits& hits) {
     const auto most = [](const TestLists& lists, std::size_t begin) {
         return static_cast<std::size_t>(std::max(lists.of[begin].capacity, lists.of[begin + 1].capacity));
     };
@@ -355,7 +355,7 @@ void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedS
 void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Counters* counters) {
     TestLists none;
     for (std::size_t k = 0; k < feature_kinds; ++k) none.of[k] = {nullptr, &counters->tests[k], 0};
-    const List<OpenTest> beyond{nullptr, &counters->beyond, 0};
+    const List<UnresolvedTest> beyond{nullptr, &counters->beyond, 0};
     FeatureHits hits{};
     hits.list.count = &counters->hits;
     FeatureConditions asked;
@@ -369,7 +369,7 @@ void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Count
 }
 
 void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
-                const FeatureConditions& asked, const OpenTest* tests, std::size_t count, PackedFeatures* cases) {
+                const FeatureConditions& asked, const UnresolvedTest* tests, std::size_t count, PackedFeatures* cases) {
     Launch{stream, geometry.blocks(count), geometry.threads}(pack_kernel, ExactPoints{scene, is_aligned(scene)}, asked,
                                                              tests, count, cases);
 }

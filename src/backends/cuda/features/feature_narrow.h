@@ -42,7 +42,7 @@ struct TestLists {
 };
 
 /// Test that the host has to decide.
-struct OpenTest {
+struct UnresolvedTest {
     FeatureTest test;
     FeatureKind kind;
 };
@@ -65,7 +65,7 @@ void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurv
 /// decide to `beyond`.
 void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
                   const FeatureConditions& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
-                  const List<OpenTest>& beyond, const FeatureHits& hits);
+                  const List<UnresolvedTest>& beyond, const FeatureHits& hits);
 
 /// Launches the kernels that use their stacks, without tests, so that the driver reserves the stacks. All counters must
 /// be 0.
@@ -73,7 +73,7 @@ void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Count
 
 /// Gathers all data that decisions about open tests need.
 void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
-                const FeatureConditions& asked, const OpenTest* tests, std::size_t count, PackedFeatures* cases);
+                const FeatureConditions& asked, const UnresolvedTest* tests, std::size_t count, PackedFeatures* cases);
 
 /// Writes hits that the host has found into the list, behind its first `begin` hits.
 void append_hits(const Geometry& geometry, cudaStream_t stream, const RankedHit* found, std::size_t count,

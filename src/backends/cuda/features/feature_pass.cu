@@ -4,21 +4,21 @@
 
 namespace crumple::cuda {
 
-void FeaturePass::cut(Cutter& c) {
+void FeaturePass::cut(ArenaLayout& c) {
     Pass::cut(c);
     with_time_samples([&]<int moments>() { records_ = c.take<FeatureRecord<moments>>(plan.last_members()); });
     for (std::size_t k = 0; k < feature_kinds; ++k) {
         tests_[k] = c.take<FeatureTest>(plan.tests[k]);
         open_[k] = c.take<FeatureTest>(plan.open[k]);
     }
-    beyond_ = c.take<OpenTest>(plan.beyond);
+    beyond_ = c.take<UnresolvedTest>(plan.beyond);
     hits_ = c.take<RankedHit>(plan.hits);
 }
 
 void FeaturePass::sort() {
     with_time_samples([&]<int moments>() {
         sort_by(Widened<moments>{primitives.ends, primitives.inflation},
-                FeatureRows<moments>{records<moments>(), asked.features});
+                FeatureMemberRows<moments>{records<moments>(), asked.features});
     });
 }
 

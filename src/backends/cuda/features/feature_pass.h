@@ -14,13 +14,13 @@ class FeaturePass : public Pass {
     FeatureConditions asked;
     bool all_kinds = false;  ///< true if the scene has codimensional edges or points
 
-    void cut(Cutter& cutter) override;
+    void cut(ArenaLayout& cutter) override;
     void sort() override;
     void sweep(const Slice& slice) override;
     void narrow(const FeatureHits& hits);
 
     List<RankedHit> hits() const { return {hits_, &counters->hits, plan.hits}; }
-    OpenTest* beyond() const { return beyond_; }
+    UnresolvedTest* beyond() const { return beyond_; }
 
    private:
     TestLists lists(FeatureTest* const* data, const unsigned long long* capacity, unsigned long long* count) const;
@@ -35,7 +35,7 @@ class FeaturePass : public Pass {
 
     void* records_ = nullptr;  ///< FeatureRecords of one time sample, or of two if the scene moves
     FeatureTest *tests_[feature_kinds] = {}, *open_[feature_kinds] = {};
-    OpenTest* beyond_ = nullptr;
+    UnresolvedTest* beyond_ = nullptr;
     RankedHit* hits_ = nullptr;
 };
 

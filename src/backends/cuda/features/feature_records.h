@@ -14,7 +14,7 @@
 namespace crumple::cuda {
 
 template <int moments>
-struct FeatureRows {
+struct FeatureMemberRows {
     FeatureRecord<moments>* record;
     FeatureTable features;
 
@@ -46,7 +46,7 @@ struct SeparatingAxisTest {
         if (!has) return false;
         const float asked =
             triangle_radius ? triangle_radius[a.triangle] + triangle_radius[b.triangle] : 2 * inflation->half;
-        return !surely_apart(a, b, NeededGap(asked, frames.distance_limit_of(leaf[c.row]), share).of(a, b));
+        return !surely_apart(a, b, NeededGap(asked, frames.extent_of(leaf[c.row]), share).of(a, b));
     }
 };
 

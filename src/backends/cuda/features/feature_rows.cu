@@ -44,13 +44,13 @@ __global__ void earliest_kernel(List<RankedHit> hits, Earliest* earliest, const 
 template void make_offsets(const Geometry&, cudaStream_t, std::size_t, const FeatureOutput&, Counters*);
 template void order_buckets(const Geometry&, cudaStream_t, std::size_t, const FeatureOutput&, Counters*, Counters*);
 
-void FeatureOutput::cut(Cutter& c, const FirstOfKind& features, std::size_t most) {
+void FeatureOutput::cut(ArenaLayout& c, const FirstOfKind& features, std::size_t most) {
     RowsByKind::cut(c, features, most, true);
     second = c.take<Key>(most);
 }
 
-void write_candidates(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits,
-                      const FeatureOutput& output, Counters* counters, Counters* told) {
+void write_feature_rows(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits,
+                        const FeatureOutput& output, Counters* counters, Counters* told) {
     make_offsets(geometry, stream, output.firsts.all(), output, counters);
     Launch{stream, geometry.blocks(hits.list.capacity), geometry.threads}(bucket_kernel, hits, output);
     order_buckets(geometry, stream, output.firsts.all(), output, counters, told);

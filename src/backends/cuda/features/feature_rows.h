@@ -13,7 +13,7 @@ struct FeatureOutput : RowsByKind {
     Key* second;
     const RankedHit* hits;
 
-    void cut(Cutter& cutter, const FirstOfKind& features, std::size_t most);
+    void cut(ArenaLayout& cutter, const FirstOfKind& features, std::size_t most);
 
     __device__ std::uint32_t first_of(unsigned long long i) const {
         return hits[static_cast<std::uint32_t>(second[i])].first;
@@ -32,8 +32,8 @@ struct FeatureOutput : RowsByKind {
 };
 
 /// Turns listed hits, counted by first feature, into the result. For the last argument, see order_buckets().
-void write_candidates(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits,
-                      const FeatureOutput& output, Counters* counters, Counters* told);
+void write_feature_rows(const Geometry& geometry, cudaStream_t stream, const FeatureHits& hits,
+                        const FeatureOutput& output, Counters* counters, Counters* told);
 
 /// Earliest impact among listed hits: the least value, ties broken by the order of the result.
 struct Earliest {

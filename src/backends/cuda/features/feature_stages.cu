@@ -8,15 +8,15 @@ namespace crumple::cuda {
 
 template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, const Points&, int, const Segments&,
                            const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<1>&,
-                           const FeatureRows<1>&, const List<Unit>&, Counters*);
+                           const FeatureMemberRows<1>&, const List<SweepUnit>&, Counters*);
 template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, const Points&, int, const Segments&,
                            const Members&, const Frames&, const Ownership&, const Sorted&, const Widened<2>&,
-                           const FeatureRows<2>&, const List<Unit>&, Counters*);
+                           const FeatureMemberRows<2>&, const List<SweepUnit>&, Counters*);
 
-template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
+template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<SweepUnit>&,
                     const Ownership&, const PairSelection&, const SeparatingAxisTest<1>&, const List<Candidate>&,
                     const Slice&, Counters*);
-template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
+template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<SweepUnit>&,
                     const Ownership&, const PairSelection&, const SeparatingAxisTest<2>&, const List<Candidate>&,
                     const Slice&, Counters*);
 

@@ -16,7 +16,7 @@ void RowFinder::bring(std::size_t to, const PreparedScene& scene, const FeatureR
         input().want(request.rule);
         upload_request(request, false, Growth::grows);
     });
-    adopt(request);
+    copy_from(request);
 }
 
 void RowFinder::view(std::size_t to, const Shape& shape, const FeatureRequest& request, Growth growth) {
@@ -26,11 +26,11 @@ void RowFinder::view(std::size_t to, const Shape& shape, const FeatureRequest& r
         input().want(request.rule, growth);
         upload_request(request, true, growth);
     });
-    adopt(request);
+    copy_from(request);
 }
 
 // Stores what is needed of the request when its result is accepted, and binds the slot.
-void RowFinder::adopt(const FeatureRequest& request) {
+void RowFinder::copy_from(const FeatureRequest& request) {
     RowSlot& found = this->found();
     found.request.emplace(request);
     if (request.rest) {
@@ -94,7 +94,7 @@ void RowFinder::upload() {
     RowSlot& found = this->found();
     found.ends = {};
     for (std::size_t k = 0; k < candidate_kinds; ++k) found.ends.append(k, found.host.rows.lists[k].size());
-    place_arrays(slot().rows, [&](Cutter& c) { rows().place_row_lists(c, found.ends.all(), valued()); });
+    place_arrays(slot().rows, [&](ArenaLayout& c) { rows().place_row_lists(c, found.ends.all(), valued()); });
     for (std::size_t k = 0; k < candidate_kinds; ++k) {
         const auto& host = found.host.rows.lists[k];
         const auto copy = [&](auto* device, const auto& array) {

@@ -62,7 +62,7 @@ class RowFinder : public Finder {
     FeaturesOnDevice& features_;
 
    private:
-    void adopt(const FeatureRequest& request);
+    void copy_from(const FeatureRequest& request);
     bool valued() const { return request().criterion != Criterion::candidate; }
     void upload();
 

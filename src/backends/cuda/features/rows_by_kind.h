@@ -51,12 +51,12 @@ struct RowsByKind : RowsOfOutput {
     std::uint8_t* flag;  ///< null for candidates
 
     /// Takes the lists of the result from the cutter. `valued`: true if rows have values and flags.
-    void place_row_lists(Cutter& c, std::size_t most, bool valued) {
+    void place_row_lists(ArenaLayout& c, std::size_t most, bool valued) {
         pairs = c.take<Pair>(most);
         value = valued ? c.take<double>(most) : nullptr;
         flag = valued ? c.take<std::uint8_t>(most) : nullptr;
     }
-    void cut(Cutter& c, const FirstOfKind& features, std::size_t most, bool valued) {
+    void cut(ArenaLayout& c, const FirstOfKind& features, std::size_t most, bool valued) {
         firsts = features;
         capacity = most;
         part_capacity = cuda::part_capacity(most);

@@ -111,7 +111,7 @@ void Input::bring(const PreparedScene& host) {
                             {&host.reader[1], &scene_.reader[1], host.vertices[1]},
                             {&host.end, &scene_.end, host.moving ? host.vertices[0] : 0}};
     const auto triangles = static_cast<std::size_t>(host.triangle_count());
-    place_arrays(block_, [&](Cutter& c) {
+    place_arrays(block_, [&](ArenaLayout& c) {
         box_ = c.take<SceneBox>(1);
         for (Vertices& v : vertices) v.data = c.take<std::byte>(bytes_of(*v.from, v.count));
         corners_ = c.take<std::int32_t>(3 * triangles);
@@ -144,7 +144,7 @@ void Input::view(const Shape& shape, const CachedMesh& known, Growth growth) {
     cached_shape_ = shape;
     known_ = known;
     place_arrays(
-        block_, [&](Cutter& c) { box_ = c.take<SceneBox>(1); }, growth);
+        block_, [&](ArenaLayout& c) { box_ = c.take<SceneBox>(1); }, growth);
     scene_.triangles[0] += known.proxies;
     scene_.corners = known.corners;
     scene_.groups = shape.groups.empty() ? nullptr : shape.groups.data();
@@ -163,7 +163,7 @@ void Input::view(const MeshView& a, const MeshView* b, bool weld, Growth growth)
     const bool as_is = !b && !weld && is_int32_rows(a.triangles);
     const bool any_groups = !a.groups.empty() || (b && !b->groups.empty());
     slots_ = weld ? std::bit_ceil(2 * vertices + 1) : 0;
-    const auto cut = [&](Cutter& c) {
+    const auto cut = [&](ArenaLayout& c) {
         box_ = c.take<SceneBox>(1);
         corners_ = c.take<std::int32_t>(as_is ? 0 : 3 * triangles);
         groups_ = c.take<std::int32_t>(b && any_groups ? triangles : 0);
@@ -182,7 +182,7 @@ void Input::pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& p
     if (poses.count > 0) places_.check("poses", poses.data);
     const auto vertices = static_cast<std::size_t>(scene_.vertex_count());
     slots_ = weld ? std::bit_ceil(2 * vertices + 1) : 0;
-    const auto cut = [&](Cutter& c) {
+    const auto cut = [&](ArenaLayout& c) {
         box_ = c.take<SceneBox>(1);
         vertices_ = c.take<std::byte>(worlds->vertex_bytes());
         corners_ = c.take<std::int32_t>(weld ? 3 * static_cast<std::size_t>(scene_.triangle_count()) : 0);
@@ -208,7 +208,7 @@ void Input::want(const IntersectionQuery& query, Growth growth) {
     want(rule_, growth);
 }
 
-void Input::want(const GroupFilter& rule, Growth growth) {
+void Input::want(const SceneFilter& rule, Growth growth) {
     wanted_ = rule.wanted();
     const auto bring = [&](Mirror<std::uint64_t>& there, GroupSelection& wanted) {
         const std::span<const std::uint64_t> host(wanted.excluded, static_cast<std::size_t>(wanted.excluded_count));

@@ -48,7 +48,7 @@ class Input {
               Growth growth = Growth::grows);
     /// Sets the pair filter: the query's, or that of the world that the scene is made of.
     void want(const IntersectionQuery& query, Growth growth = Growth::grows);
-    void want(const GroupFilter& rule, Growth growth = Growth::grows);
+    void want(const SceneFilter& rule, Growth growth = Growth::grows);
 
     /// Adds the arrays that the work of enqueue() requires cleared to `batch`.
     void clear(BatchedClear& batch) const;
@@ -92,7 +92,7 @@ class Input {
     cudaStream_t stream_;
     Block block_;
     Worlds worlds_;
-    GroupFilter rule_;
+    SceneFilter rule_;
     Mirror<std::uint64_t> excluded_groups_, excluded_bodies_;
     Mirror<BodyClass> classes_;
     Array<std::byte> packed_;

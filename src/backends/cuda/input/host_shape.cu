@@ -9,7 +9,7 @@ namespace {
 
 // Downloads the bytes from the first to the last value of `view`, and makes `view` refer to the copy.
 template <class Type>
-void upload_rows(ArrayView<Type>& view, std::size_t value_bytes, cudaStream_t stream, std::vector<std::byte>& copy) {
+void download_rows(ArrayView<Type>& view, std::size_t value_bytes, cudaStream_t stream, std::vector<std::byte>& copy) {
     if (view.rows <= 0 || !view.data) return;  // an invalid view stays unchanged; the host reports it
     const std::int64_t last_row = (view.rows - 1) * view.row_stride, last_column = 2 * view.column_stride;
     const std::int64_t begin = std::min<std::int64_t>(0, last_row) + std::min<std::int64_t>(0, last_column);
@@ -19,12 +19,12 @@ void upload_rows(ArrayView<Type>& view, std::size_t value_bytes, cudaStream_t st
              cudaMemcpyDeviceToHost);
     view.data = copy.data() - begin;
 }
-void upload_rows(VertexView& view, cudaStream_t stream, std::vector<std::byte>& copy) {
-    upload_rows(view, view.type == ScalarType::float32 ? 4 : 8, stream, copy);
+void download_rows(VertexView& view, cudaStream_t stream, std::vector<std::byte>& copy) {
+    download_rows(view, view.type == ScalarType::float32 ? 4 : 8, stream, copy);
 }
 
 template <class T>
-void bring(std::span<const T>& view, cudaStream_t stream, std::vector<T>& copy) {
+void download(std::span<const T>& view, cudaStream_t stream, std::vector<T>& copy) {
     copy.resize(view.size());
     copy_now(stream, copy.data(), view.data(), view.size(), cudaMemcpyDeviceToHost);
     view = copy;
@@ -35,9 +35,9 @@ void bring(std::span<const T>& view, cudaStream_t stream, std::vector<T>& copy) 
 void copy_to_host(const Shape& device, Copied what, cudaStream_t stream, HostShape& host) {
     host.shape = device;
     Shape& shape = host.shape;
-    upload_rows(shape.triangles, shape.triangles.type == IndexType::int64 ? 8 : 4, stream, host.triangles);
-    if (shape.edges) bring(*shape.edges, stream, host.edges);
-    if (shape.points) bring(*shape.points, stream, host.points);
+    download_rows(shape.triangles, shape.triangles.type == IndexType::int64 ? 8 : 4, stream, host.triangles);
+    if (shape.edges) download(*shape.edges, stream, host.edges);
+    if (shape.points) download(*shape.points, stream, host.points);
     if (what == Copied::topology) {
         host.vertices.assign(3 * sizeof(double), {});
         shape.vertices = {host.vertices.data(), shape.vertices.rows, 0, 0, shape.vertices.type};
@@ -46,11 +46,11 @@ void copy_to_host(const Shape& device, Copied what, cudaStream_t stream, HostSha
         shape.radii = {};
         return;
     }
-    upload_rows(shape.vertices, stream, host.vertices);
-    upload_rows(shape.end, stream, host.end);
-    upload_rows(shape.rest, stream, host.rest);
-    bring(shape.groups, stream, host.groups);
-    bring(shape.radii, stream, host.radii);
+    download_rows(shape.vertices, stream, host.vertices);
+    download_rows(shape.end, stream, host.end);
+    download_rows(shape.rest, stream, host.rest);
+    download(shape.groups, stream, host.groups);
+    download(shape.radii, stream, host.radii);
 }
 
 }  // namespace crumple::cuda

@@ -15,7 +15,7 @@ namespace {
 /// bodies of the others.
 constexpr std::size_t pose_tile = 256;
 
-struct Bodies {
+struct WorldBodies {
     const StaticBody* body;
     const std::uint32_t* first;  ///< body of each tile's first vertex; and the last body
     std::size_t vertices;
@@ -49,7 +49,7 @@ __device__ Vec3d posed(const P* rows, const Vec3d& p) {
 
 // Poses the vertices, one per thread. T: scalar type of the scene; P: scalar type of the poses.
 template <class T, class P>
-__global__ void pose_kernel(Bodies bodies, const T* shapes, const P* poses, T* vertices, SceneBox* box,
+__global__ void pose_kernel(WorldBodies bodies, const T* shapes, const P* poses, T* vertices, SceneBox* box,
                             Counters* counters) {
     auto& shared = dynamic_shared<BoxShared>();
     constexpr double most = 1.7976931348623157e308;
@@ -93,14 +93,14 @@ std::vector<std::uint32_t> first_bodies(std::span<const StaticBody> bodies, std:
 
 }  // namespace
 
-PosedWorlds::PosedWorlds(std::unique_ptr<StaticWorlds> resting, cudaStream_t stream, MemoryMeter& meter)
-    : resting_(std::move(resting)), block_(meter), scene_(resting_->scene()), number_(++made) {
+PosedWorlds::PosedWorlds(std::unique_ptr<StaticWorlds> static_worlds, cudaStream_t stream, MemoryMeter& meter)
+    : static_worlds_(std::move(static_worlds)), block_(meter), scene_(static_worlds_->scene()), number_(++made) {
     const auto triangles = static_cast<std::size_t>(scene_.triangle_count());
     const auto worlds = static_cast<std::size_t>(scene_.worlds);
     const bool several = worlds > 1;
-    const BodyFilter& rules = resting_->rules();
+    const BodyFilter& rules = static_worlds_->rules();
     const std::vector<std::uint32_t> first =
-        first_bodies(resting_->bodies(), static_cast<std::size_t>(scene_.vertex_count()));
+        first_bodies(static_worlds_->bodies(), static_cast<std::size_t>(scene_.vertex_count()));
     std::vector<unsigned long long> first_of_joined, count;
     for (std::size_t w = 0; several && w <= worlds; ++w)
         first_of_joined.push_back(static_cast<unsigned long long>(scene_.first_of_world[w]));
@@ -110,15 +110,15 @@ PosedWorlds::PosedWorlds(std::unique_ptr<StaticWorlds> resting, cudaStream_t str
     std::int64_t* first_of_world = nullptr;
     BodyClass* classes = nullptr;
     std::uint64_t *bodies_apart = nullptr, *groups_apart = nullptr;
-    place_arrays(block_, [&](Cutter& c) {
-        shapes_ = c.take<std::byte>(resting_->shape_bytes());
-        bodies_ = c.take<StaticBody>(resting_->bodies().size());
+    place_arrays(block_, [&](ArenaLayout& c) {
+        shapes_ = c.take<std::byte>(static_worlds_->shape_bytes());
+        bodies_ = c.take<StaticBody>(static_worlds_->bodies().size());
         first_body_ = c.take<std::uint32_t>(first.size());
         corners = c.take<std::int32_t>(3 * triangles);
         groups = c.take<std::int32_t>(triangles);
         classes = c.take<BodyClass>(rules.classes.size());
-        first_of_class = c.take<std::int32_t>(resting_->first_of_class().size());
-        first_of_world = c.take<std::int64_t>(resting_->first_of_world().size());
+        first_of_class = c.take<std::int32_t>(static_worlds_->first_of_class().size());
+        first_of_world = c.take<std::int64_t>(static_worlds_->first_of_world().size());
         bodies_apart = c.take<std::uint64_t>(static_cast<std::size_t>(wanted_.bodies.excluded_count));
         groups_apart = c.take<std::uint64_t>(static_cast<std::size_t>(wanted_.groups.excluded_count));
         worlds_ = {c.take<unsigned long long>(first_of_joined.size()), c.take<unsigned long long>(count.size())};
@@ -127,14 +127,14 @@ PosedWorlds::PosedWorlds(std::unique_ptr<StaticWorlds> resting, cudaStream_t str
     const auto bring = [&](auto* to, const auto* from, std::size_t n) {
         copy_now(stream, to, from, n, cudaMemcpyHostToDevice);
     };
-    bring(shapes_, resting_->shape_vertices(), resting_->shape_bytes());
-    bring(bodies_, resting_->bodies().data(), resting_->bodies().size());
+    bring(shapes_, static_worlds_->shape_vertices(), static_worlds_->shape_bytes());
+    bring(bodies_, static_worlds_->bodies().data(), static_worlds_->bodies().size());
     bring(first_body_, first.data(), first.size());
     bring(corners, scene_.corners, 3 * triangles);
     bring(groups, scene_.groups, triangles);
     bring(classes, rules.classes.data(), rules.classes.size());
-    bring(first_of_class, resting_->first_of_class().data(), resting_->first_of_class().size());
-    bring(first_of_world, resting_->first_of_world().data(), resting_->first_of_world().size());
+    bring(first_of_class, static_worlds_->first_of_class().data(), static_worlds_->first_of_class().size());
+    bring(first_of_world, static_worlds_->first_of_world().data(), static_worlds_->first_of_world().size());
     bring(bodies_apart, wanted_.bodies.excluded, static_cast<std::size_t>(wanted_.bodies.excluded_count));
     bring(groups_apart, wanted_.groups.excluded, static_cast<std::size_t>(wanted_.groups.excluded_count));
     bring(worlds_.first, first_of_joined.data(), first_of_joined.size());
@@ -148,8 +148,8 @@ PosedWorlds::PosedWorlds(std::unique_ptr<StaticWorlds> resting, cudaStream_t str
     wanted_.bodies.excluded = bodies_apart;
     wanted_.groups.excluded = groups_apart;
     wanted_.classes = classes;
-    names_ = {groups, classes, first_of_class, first_of_world, resting_->worlds(), false};
-    resting_->drop_lists();
+    names_ = {groups, classes, first_of_class, first_of_world, static_worlds_->worlds(), false};
+    static_worlds_->drop_lists();
 }
 
 std::size_t PosedWorlds::vertex_bytes() const {
@@ -161,7 +161,7 @@ void PosedWorlds::pose(const Geometry& geometry, cudaStream_t stream, const Devi
     const auto n = static_cast<std::size_t>(scene_.vertex_count());
     const Launch launch{stream, geometry.blocks(n), geometry.threads, sizeof(BoxShared)};
     const auto run = [&]<class T, class P>() {
-        launch(pose_kernel<T, P>, Bodies{bodies_, first_body_, n}, reinterpret_cast<const T*>(shapes_),
+        launch(pose_kernel<T, P>, WorldBodies{bodies_, first_body_, n}, reinterpret_cast<const T*>(shapes_),
                static_cast<const P*>(poses.data), reinterpret_cast<T*>(vertices), box, counters);
     };
     const auto run_for = [&]<class T>() {
@@ -172,7 +172,7 @@ void PosedWorlds::pose(const Geometry& geometry, cudaStream_t stream, const Devi
 
 void PosedWorlds::throw_error(cudaStream_t stream, const DevicePoses& poses, const Counters& counters) const {
     if (counters.bad_vertex[0] == ~0ull) return;
-    resting_->fail_not_finite(static_cast<std::int64_t>(counters.bad_vertex[0]), to_host(stream, poses));
+    static_worlds_->fail_not_finite(static_cast<std::int64_t>(counters.bad_vertex[0]), to_host(stream, poses));
 }
 
 std::vector<Pose> to_host(cudaStream_t stream, const DevicePoses& poses) {

@@ -24,9 +24,9 @@ namespace crumple::cuda {
 class PosedWorlds {
    public:
     /// Uploads the bodies, and returns once the copies are complete.
-    PosedWorlds(std::unique_ptr<StaticWorlds> resting, cudaStream_t stream, MemoryMeter& meter);
+    PosedWorlds(std::unique_ptr<StaticWorlds> static_worlds, cudaStream_t stream, MemoryMeter& meter);
 
-    const StaticWorlds& resting() const { return *resting_; }
+    const StaticWorlds& static_worlds() const { return *static_worlds_; }
 
     /// Returns the scene, without vertices: pose() writes those of each launch.
     const PreparedScene& scene() const { return scene_; }
@@ -48,7 +48,7 @@ class PosedWorlds {
     void throw_error(cudaStream_t stream, const DevicePoses& poses, const Counters& counters) const;
 
    private:
-    std::unique_ptr<StaticWorlds> resting_;
+    std::unique_ptr<StaticWorlds> static_worlds_;
     Block block_;
     PreparedScene scene_;
     Segments worlds_{};

@@ -8,7 +8,7 @@ void Worlds::bring(cudaStream_t stream, const PreparedScene& host) {
     forget();
     if (host.worlds == 1) return;
     const auto n = static_cast<std::size_t>(host.worlds);
-    place_arrays(block_, [&](Cutter& c) {
+    place_arrays(block_, [&](ArenaLayout& c) {
         triangles_ = {c.take<unsigned long long>(n + 1), c.take<unsigned long long>(n)};
         found_ = c.take<unsigned long long>(n);
     });

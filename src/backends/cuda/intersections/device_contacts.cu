@@ -51,7 +51,7 @@ __global__ void pack_kernel(std::size_t n, ContactArrays out) {
 
 }  // namespace
 
-void ContactArrays::cut(Cutter& c, std::size_t pairs) {
+void ContactArrays::cut(ArenaLayout& c, std::size_t pairs) {
     kinds = c.take<ContactKind>(pairs);
     offsets = c.take<unsigned long long>(pairs + 1);
     points = c.take<Point>(6 * pairs);

@@ -23,7 +23,7 @@ struct ContactArrays {
     void* scan;  ///< scratch of CUB for prefix sums
     std::size_t scan_bytes;
 
-    void cut(Cutter& cutter, std::size_t pairs);
+    void cut(ArenaLayout& cutter, std::size_t pairs);
 };
 
 /// Computes the contacts for which double words suffice; lists the other pairs as open. `second` is added to each

@@ -11,7 +11,7 @@ void IntersectionFinder::find_in_chunks() {
     Array<unsigned long long> offsets(&meter_);
     copy_now(stream_, offsets.resize_discard(n), answer().output.offsets, n, cudaMemcpyDeviceToHost);
     drop_lists();
-    place_arrays(slot().rows, [&](Cutter& c) { cut_rows(c, static_cast<std::size_t>(answer().total)); });
+    place_arrays(slot().rows, [&](ArenaLayout& c) { cut_rows(c, static_cast<std::size_t>(answer().total)); });
     const OutputArrays& output = answer().output;
     copy_now(stream_, output.offsets, offsets.data(), n, cudaMemcpyHostToDevice);
     copy_now(stream_, output.next, offsets.data(), n, cudaMemcpyHostToDevice);
@@ -28,7 +28,7 @@ void IntersectionFinder::find_in_chunks() {
 }
 
 unsigned long long IntersectionFinder::count_in_chunks() {
-    place_arrays(slot().rows, [&](Cutter& c) { cut_rows(c, 0); });
+    place_arrays(slot().rows, [&](ArenaLayout& c) { cut_rows(c, 0); });
     BatchedClear batch;
     clear_rows(batch);
     batch.launch(geometry_, stream_);
@@ -64,7 +64,7 @@ std::size_t IntersectionFinder::pass_over_chunks(Hits hits) {
 
 // Throws MemoryMeter::Exceeded if a result with so many pairs alone exceeds the limit.
 void IntersectionFinder::require_capacity(std::size_t pairs) const {
-    const auto bytes = static_cast<std::int64_t>(Answer::bytes(scene(), pairs, query().contacts()));
+    const auto bytes = static_cast<std::int64_t>(ResultOnDevice::bytes(scene(), pairs, query().contacts()));
     if (meter_.limit > 0 && bytes > meter_.limit) throw MemoryMeter::Exceeded{bytes};
 }
 

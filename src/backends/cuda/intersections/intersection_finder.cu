@@ -10,7 +10,7 @@ namespace crumple::cuda {
 IntersectionFinder::IntersectionFinder(BackendState& state)
     : Finder(state, pass_),
       pass_(geometry_, stream_, options_),
-      results_{Answer(geometry_, stream_, meter_), Answer(geometry_, stream_, meter_)} {}
+      results_{ResultOnDevice(geometry_, stream_, meter_), ResultOnDevice(geometry_, stream_, meter_)} {}
 
 void IntersectionFinder::release() {
     Finder::release();
@@ -36,7 +36,7 @@ void IntersectionFinder::pose(std::size_t slot, const std::shared_ptr<const Pose
     claim_slot(slot, [&] { input().pose(worlds, poses, weld, pairs, growth); });
 }
 
-void IntersectionFinder::adopt(const IntersectionQuery& query, Growth growth) {
+void IntersectionFinder::copy_from(const IntersectionQuery& query, Growth growth) {
     queries_[current()] = query;
     queries_[current()].filter = {};
     input().want(query, growth);

@@ -24,7 +24,7 @@ class IntersectionFinder final : public Finder {
     void pose(std::size_t slot, const std::shared_ptr<const PosedWorlds>& worlds, const DevicePoses& poses, bool weld,
               bool pairs, Growth growth = Growth::grows);
     /// Binds the query. To be called after one of the functions above.
-    void adopt(const IntersectionQuery& query, Growth growth = Growth::grows);
+    void copy_from(const IntersectionQuery& query, Growth growth = Growth::grows);
 
     /// Returns true if there is a pair. Ends at the first one, and lists none.
     bool any();
@@ -44,10 +44,10 @@ class IntersectionFinder final : public Finder {
     void release() override;
 
    private:
-    Answer& answer() { return results_[current()]; }
-    const Answer& answer() const { return results_[current()]; }
+    ResultOnDevice& answer() { return results_[current()]; }
+    const ResultOnDevice& answer() const { return results_[current()]; }
     const IntersectionQuery& query() const { return queries_[current()]; }
-    void cut_rows(Cutter& c, std::size_t pairs) { answer().cut(c, scene(), pairs); }
+    void cut_rows(ArenaLayout& c, std::size_t pairs) { answer().cut(c, scene(), pairs); }
     template <class Make, class Undo>
     void with_capacity(Make make, Undo undo);
 
@@ -66,7 +66,7 @@ class IntersectionFinder final : public Finder {
     KernelParameters parameters() const override { return IntersectionParameters{pass_.policy}; }
     void choose_plan(Plan& plan) const override;
     void choose_chunks(Plan& plan, std::int64_t bytes) const override;
-    void cut_rows(Cutter& c) override { cut_rows(c, static_cast<std::size_t>(pass_.plan.hits)); }
+    void cut_rows(ArenaLayout& c) override { cut_rows(c, static_cast<std::size_t>(pass_.plan.hits)); }
     void clear_rows(BatchedClear& batch) const override { answer().clear(batch, scene()); }
     void narrow() override;
     bool write_rows(Counters* host_counters) override;
@@ -78,7 +78,7 @@ class IntersectionFinder final : public Finder {
     void release_rows(std::size_t slot) override;
 
     IntersectionPass pass_;
-    std::array<Answer, LaunchQueue::slots> results_;
+    std::array<ResultOnDevice, LaunchQueue::slots> results_;
     std::array<IntersectionQuery, LaunchQueue::slots> queries_;  ///< without pair filters, which are in the inputs
 };
 

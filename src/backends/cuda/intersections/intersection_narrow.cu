@@ -67,7 +67,7 @@ __global__ void __launch_bounds__(threads, 768 / threads)
         // Copies, so that records are loaded four words at a time.
         const Record a = records.record[c.row], b = records.record[c.column];
         const PairSigns signs = pair_signs(a, b);
-        const float reach = frames.distance_limit_of(sorted.leaf[c.row]);
+        const float reach = frames.extent_of(sorted.leaf[c.row]);
         return filter_in_float(a, b, signs, classify(signs, policy), policy, points, reach);
     };
     const auto apart_in_double = [&](const Candidate& c) {

@@ -2,7 +2,7 @@
 
 namespace crumple::cuda {
 
-void IntersectionPass::cut(Cutter& c) {
+void IntersectionPass::cut(ArenaLayout& c) {
     Pass::cut(c);
     records_.record = c.take<Record>(plan.last_members());
     undecided_ = c.take<Candidate>(plan.undecided);

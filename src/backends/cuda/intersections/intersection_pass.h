@@ -13,8 +13,8 @@ class IntersectionPass : public Pass {
 
     NarrowPolicy policy;
 
-    void cut(Cutter& cutter) override;
-    void sort() override { sort_by(AtRest{}, records_); }
+    void cut(ArenaLayout& cutter) override;
+    void sort() override { sort_by(StaticTriangle{}, records_); }
     void sweep(const Slice& slice) override { sweep_by(slice, PlaneTest{records_.record, policy}); }
     void narrow(const Hits& hits);
 

@@ -7,10 +7,10 @@
 namespace crumple::cuda {
 
 template void sort_members(const Geometry&, cudaStream_t, const PreparedScene&, const Points&, int, const Segments&,
-                           const Members&, const Frames&, const Ownership&, const Sorted&, const AtRest&,
-                           const RecordRows&, const List<Unit>&, Counters*);
+                           const Members&, const Frames&, const Ownership&, const Sorted&, const StaticTriangle&,
+                           const RecordRows&, const List<SweepUnit>&, Counters*);
 
-template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<Unit>&,
+template void sweep(const Geometry&, cudaStream_t, const PreparedScene&, const Sorted&, const List<SweepUnit>&,
                     const Ownership&, const PairSelection&, const PlaneTest&, const List<Candidate>&, const Slice&,
                     Counters*);
 

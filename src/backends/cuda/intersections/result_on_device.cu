@@ -14,7 +14,7 @@ std::int32_t second_of(const PreparedScene& scene) {
 
 }  // namespace
 
-void Answer::cut(Cutter& c, const PreparedScene& scene, std::size_t pairs) {
+void ResultOnDevice::cut(ArenaLayout& c, const PreparedScene& scene, std::size_t pairs) {
     const auto first = static_cast<std::size_t>(scene.triangles[0]),
                second = static_cast<std::size_t>(scene.triangles[1]);
     output.offsets = c.take<unsigned long long>(first + 1);
@@ -33,10 +33,10 @@ void Answer::cut(Cutter& c, const PreparedScene& scene, std::size_t pairs) {
                   c.take<std::int64_t>(worlds), c.take<std::uint8_t>(worlds)};
 }
 
-std::size_t Answer::bytes(const PreparedScene& scene, std::size_t pairs, bool contacts) {
+std::size_t ResultOnDevice::bytes(const PreparedScene& scene, std::size_t pairs, bool contacts) {
     MemoryMeter none;
-    Cutter cutter;
-    Answer(Geometry{}, nullptr, none).cut(cutter, scene, pairs);
+    ArenaLayout cutter;
+    ResultOnDevice(Geometry{}, nullptr, none).cut(cutter, scene, pairs);
     if (contacts) {
         ContactArrays().cut(cutter, pairs);
         cutter.take<Pair>(pairs);
@@ -46,14 +46,14 @@ std::size_t Answer::bytes(const PreparedScene& scene, std::size_t pairs, bool co
     return cutter.used();
 }
 
-void Answer::clear(BatchedClear& batch, const PreparedScene& scene) const {
+void ResultOnDevice::clear(BatchedClear& batch, const PreparedScene& scene) const {
     const auto first = static_cast<std::size_t>(scene.triangles[0]);
     batch.add(output.offsets, (first + 1) * sizeof *output.offsets);
     batch.add(output.tiles, offset_tiles(first) * sizeof *output.tiles);
     clear_flags(batch, scene, output);
 }
 
-void Answer::write(const PreparedScene& scene, const List<Hit>& hits, Counters* counters, Counters* told) {
+void ResultOnDevice::write(const PreparedScene& scene, const List<Hit>& hits, Counters* counters, Counters* told) {
     const auto firsts = static_cast<std::size_t>(scene.triangles[0]);
     make_offsets(geometry_, stream_, firsts, output, counters);
     fill_buckets(geometry_, stream_, scene, hits, output);
@@ -61,9 +61,9 @@ void Answer::write(const PreparedScene& scene, const List<Hit>& hits, Counters* 
     if (names.any()) name_pairs(geometry_, stream_, firsts, output, names, of_worlds_);
 }
 
-std::int64_t Answer::make_contacts(const PreparedScene& scene, Cancellation& cancellation) {
+std::int64_t ResultOnDevice::make_contacts(const PreparedScene& scene, Cancellation& cancellation) {
     const auto n = static_cast<std::size_t>(total);
-    place_arrays(contact_block_, [&](Cutter& c) { contacts_.cut(c, n); });
+    place_arrays(contact_block_, [&](ArenaLayout& c) { contacts_.cut(c, n); });
     find_contacts(geometry_, stream_, scene, output.pairs, n, second_of(scene), contacts_);
     unsigned long long open = 0;
     copy_now(stream_, &open, contacts_.open_count, 1, cudaMemcpyDeviceToHost);
@@ -74,11 +74,12 @@ std::int64_t Answer::make_contacts(const PreparedScene& scene, Cancellation& can
 }
 
 // Computes the contacts that only the host can round.
-void Answer::decide_open(const PreparedScene& scene, std::size_t n, std::int32_t second, Cancellation& cancellation) {
+void ResultOnDevice::decide_open(const PreparedScene& scene, std::size_t n, std::int32_t second,
+                                 Cancellation& cancellation) {
     Block block(meter_);
     Pair* pairs = nullptr;
     HostContact* found = nullptr;
-    place_arrays(block, [&](Cutter& c) {
+    place_arrays(block, [&](ArenaLayout& c) {
         pairs = c.take<Pair>(n);
         found = c.take<HostContact>(n);
     });
@@ -98,7 +99,7 @@ void Answer::decide_open(const PreparedScene& scene, std::size_t n, std::int32_t
     CRUMPLE_CUDA(cudaStreamSynchronize(stream_));
 }
 
-DeviceIntersections Answer::show(const PreparedScene& scene, bool contacts) const {
+DeviceIntersections ResultOnDevice::show(const PreparedScene& scene, bool contacts) const {
     DeviceIntersections shown;
     shown.any = total > 0;
     shown.pairs_needed = shown.count = static_cast<std::int64_t>(total);
@@ -127,7 +128,7 @@ DeviceIntersections Answer::show(const PreparedScene& scene, bool contacts) cons
     return shown;
 }
 
-void Answer::copy_to(const PreparedScene& scene, bool contacts, Intersections& result) {
+void ResultOnDevice::copy_to(const PreparedScene& scene, bool contacts, Intersections& result) {
     const auto copy = [&](auto& array, const auto* device, std::size_t n) {
         using T = std::remove_reference_t<decltype(array[0])>;
         copy_now(stream_, array.resize_discard(n), reinterpret_cast<const T*>(device), n, cudaMemcpyDeviceToHost);

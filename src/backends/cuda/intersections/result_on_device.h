@@ -11,9 +11,9 @@
 
 namespace crumple::cuda {
 
-class Answer {
+class ResultOnDevice {
    public:
-    Answer(const Geometry& geometry, cudaStream_t stream, MemoryMeter& meter)
+    ResultOnDevice(const Geometry& geometry, cudaStream_t stream, MemoryMeter& meter)
         : geometry_(geometry), stream_(stream), meter_(meter), contact_block_(meter) {}
 
     OutputArrays output{};
@@ -21,7 +21,7 @@ class Answer {
     WorldNames names;              ///< tables for naming worlds and bodies, in results about worlds; set before cut()
 
     /// Takes the arrays for so many pairs from the cutter.
-    void cut(Cutter& cutter, const PreparedScene& scene, std::size_t pairs);
+    void cut(ArenaLayout& cutter, const PreparedScene& scene, std::size_t pairs);
     /// Returns the bytes that these arrays and make_contacts() take.
     static std::size_t bytes(const PreparedScene& scene, std::size_t pairs, bool contacts);
 

@@ -122,9 +122,9 @@ struct Frames {
     const BinnedFrame* binned;
     unsigned* reach;  ///< by leaf: extent, as bits of a float >= 0, which have the order of the numbers
 
-    CRUMPLE_HD float distance_limit_of(std::size_t leaf) const { return std::bit_cast<float>(reach[leaf]); }
+    CRUMPLE_HD float extent_of(std::size_t leaf) const { return std::bit_cast<float>(reach[leaf]); }
     CRUMPLE_HD Frame operator[](std::size_t leaf) const {
-        const float far = distance_limit_of(leaf);
+        const float far = extent_of(leaf);
         return {binned[leaf], far, box_margin(far)};
     }
 };
@@ -160,7 +160,7 @@ struct Sorted {
 };
 
 /// Unit of work of the sweep: 32 rows against `unit_columns` columns, fewer at the ends.
-struct alignas(16) Unit {
+struct alignas(16) SweepUnit {
     std::uint32_t row, row_end;  ///< first row; end of the rows of its leaf
     std::uint32_t column, column_end;
 };

@@ -12,7 +12,7 @@ constexpr int samples_of_scene = 2048, samples_per_child = 32;  // samples for f
 
 }  // namespace
 
-void Guides::cut(Cutter& cutter, const Plan& plan) {
+void WarmStarts::cut(ArenaLayout& cutter, const Plan& plan) {
     const std::size_t children[2] = {static_cast<std::size_t>(plan.children(0)),
                                      static_cast<std::size_t>(plan.children(1))};
     for (WarmStart* guide : {&now, &next}) {
@@ -26,7 +26,7 @@ void Guides::cut(Cutter& cutter, const Plan& plan) {
     moved[1] = cutter.take<float>(children[0]);
 }
 
-void Pass::cut(Cutter& c) {
+void Pass::cut(ArenaLayout& c) {
     const std::size_t vertices = primitives.rows(scene.vertex_count());
     const auto triangles = static_cast<std::size_t>(scene.triangle_count());
     const auto leaves = static_cast<std::size_t>(plan.leaves());
@@ -55,7 +55,7 @@ void Pass::cut(Cutter& c) {
     sorted_.binned = c.take<unsigned>(leaves);
     sorted_.row = c.take<SortedRow>(rows);
     sorted_.leaf = c.take<std::uint16_t>(rows);
-    units_ = c.take<Unit>(plan.units);
+    units_ = c.take<SweepUnit>(plan.units);
     survivors_ = c.take<Candidate>(plan.survivors);
 }
 

@@ -21,11 +21,11 @@ namespace crumple::cuda {
 ///                                           fuzzy C-means, places, frames: next
 ///
 /// Any other pass computes each part of `now` right before it is used.
-struct Guides {
+struct WarmStarts {
     WarmStart now, next;
     float* moved[2];  ///< Level::moved of each level
 
-    void cut(Cutter& cutter, const Plan& plan);
+    void cut(ArenaLayout& cutter, const Plan& plan);
 };
 
 class Pass {
@@ -41,12 +41,12 @@ class Pass {
     Segments worlds{};  ///< triangles of each world; null: a single world
     PairSelection wanted;
     Plan plan;
-    Guides warm_starts{};
+    WarmStarts warm_starts{};
     const Branch* beside = nullptr;  ///< side branch that computes the next warm start; the caller joins it
 
     /// Takes the arrays of the stages up to `sort`, and the list that `sweep` fills, from the cutter; their contents
     /// are lost. Overriders add their records and the lists of `narrow`.
-    virtual void cut(Cutter& cutter);
+    virtual void cut(ArenaLayout& cutter);
 
     void bounds();
     void subdivide_scene();
@@ -88,7 +88,7 @@ class Pass {
     int last_level() const { return plan.levels() - 1; }
     Segments members_of(int i) const { return {warm_starts.now.first[i], count_[i]}; }
     Frames frames() const { return {warm_starts.now.frame, reach_}; }
-    List<Unit> units() const { return {units_, &counters->units, plan.units}; }
+    List<SweepUnit> units() const { return {units_, &counters->units, plan.units}; }
     List<Candidate> survivors() const { return {survivors_, &counters->survivors, plan.survivors}; }
 
     Geometry geometry_;
@@ -103,7 +103,7 @@ class Pass {
     Members members_[2] = {};
     unsigned* reach_ = nullptr;
     Sorted sorted_{};
-    Unit* units_ = nullptr;
+    SweepUnit* units_ = nullptr;
     Candidate* survivors_ = nullptr;
 };
 

@@ -21,7 +21,7 @@ __device__ Vec3d position(const Row<T>* rows, std::int32_t v) {
 __device__ inline Vec3d position(const PointRows& rows, std::int32_t v) { return rows[v]; }
 
 /// Primitive of intersection queries: the static triangle.
-struct AtRest {
+struct StaticTriangle {
     static constexpr int corners = 3;
 
     /// Returns the triangle in a leaf's frame. `p` receives its normalised corners.
@@ -83,7 +83,7 @@ inline Primitives widened_primitives(const PreparedScene& scene, const Inflation
 template <class Work>
 void with_primitive(const Primitives& primitives, Work work) {
     if (!primitives.widened)
-        work(AtRest{});
+        work(StaticTriangle{});
     else if (!primitives.moving)
         work(Widened<1>{0, primitives.inflation});
     else

@@ -11,7 +11,7 @@ __device__ std::uint32_t bin_of(float x, const Frame& frame) {
 }
 
 // Writes the exclusive prefix sums of a warp's counts, starting at `first`. Returns `first` plus the sum of all.
-__device__ std::uint32_t sum_round(std::uint32_t* place, std::uint32_t count, std::uint32_t first) {
+__device__ std::uint32_t sum_of_32_bins(std::uint32_t* place, std::uint32_t count, std::uint32_t first) {
     std::uint32_t sum = count;
     for (unsigned lanes = 1; lanes < 32; lanes *= 2) {
         const std::uint32_t before = __shfl_up_sync(whole_warp, sum, lanes);
@@ -29,7 +29,7 @@ __device__ void sum_bins(std::uint32_t* bin_first, std::uint32_t first) {
     std::uint32_t counts[ahead];
     for (unsigned b = lane; b < bins; b += 32 * ahead) {
         for (unsigned k = 0; k < ahead; ++k) counts[k] = bin_first[b + 32 * k];
-        for (unsigned k = 0; k < ahead; ++k) first = sum_round(bin_first + b + 32 * k, counts[k], first);
+        for (unsigned k = 0; k < ahead; ++k) first = sum_of_32_bins(bin_first + b + 32 * k, counts[k], first);
     }
     if (lane == 0) bin_first[bins] = first;
 }
@@ -73,7 +73,7 @@ __global__ void bin_kernel(PreparedScene scene, Primitive primitive, const Row<T
 }
 
 // Lists the units of each group of 32 rows. A group belongs to one warp and one leaf.
-__global__ void unit_kernel(int leaves, Segments members_of, Sorted sorted, List<Unit> units) {
+__global__ void unit_kernel(int leaves, Segments members_of, Sorted sorted, List<SweepUnit> units) {
     const unsigned lane = threadIdx.x % 32;
     const auto n = static_cast<std::size_t>(leaves);
     for (unsigned long long row = grid_thread(); row < members_of.first[n]; row += grid_stride()) {
@@ -113,15 +113,15 @@ void bin_members(const Geometry& geometry, cudaStream_t stream, const PreparedSc
     else
         bin(points.d, bin_kernel<double, Primitive>);
 }
-template void bin_members(const Geometry&, cudaStream_t, const PreparedScene&, const AtRest&, const Points&, int,
-                          const Segments&, const Members&, const Frames&, const Sorted&);
+template void bin_members(const Geometry&, cudaStream_t, const PreparedScene&, const StaticTriangle&, const Points&,
+                          int, const Segments&, const Members&, const Frames&, const Sorted&);
 template void bin_members(const Geometry&, cudaStream_t, const PreparedScene&, const Widened<1>&, const Points&, int,
                           const Segments&, const Members&, const Frames&, const Sorted&);
 template void bin_members(const Geometry&, cudaStream_t, const PreparedScene&, const Widened<2>&, const Points&, int,
                           const Segments&, const Members&, const Frames&, const Sorted&);
 
 void list_units(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
-                std::size_t capacity, const Sorted& sorted, const List<Unit>& units) {
+                std::size_t capacity, const Sorted& sorted, const List<SweepUnit>& units) {
     Launch{stream, geometry.blocks(capacity), geometry.threads}(unit_kernel, leaves, members_of, sorted, units);
 }
 

@@ -32,7 +32,7 @@ template <class Primitive, class Records>
 void sort_members(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Points& points,
                   int leaves, const Segments& members_of, const Members& members, const Frames& frames,
                   const Ownership& ownership, const Sorted& sorted, const Primitive& primitive, const Records& records,
-                  const List<Unit>& units, Counters* counters);
+                  const List<SweepUnit>& units, Counters* counters);
 
 /// First part of sort_members(): finds the bins of each member, and the first row of each bin.
 template <class Primitive>
@@ -41,6 +41,6 @@ void bin_members(const Geometry& geometry, cudaStream_t stream, const PreparedSc
                  const Frames& frames, const Sorted& sorted);
 /// Last part of sort_members(): lists the units of work.
 void list_units(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
-                std::size_t capacity, const Sorted& sorted, const List<Unit>& units);
+                std::size_t capacity, const Sorted& sorted, const List<SweepUnit>& units);
 
 }  // namespace crumple::cuda

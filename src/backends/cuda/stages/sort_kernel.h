@@ -49,7 +49,7 @@ template <class Primitive, class Records>
 void sort_members(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Points& points,
                   int leaves, const Segments& members_of, const Members& members, const Frames& frames,
                   const Ownership& ownership, const Sorted& sorted, const Primitive& primitive, const Records& records,
-                  const List<Unit>& units, Counters* counters) {
+                  const List<SweepUnit>& units, Counters* counters) {
     bin_members(geometry, stream, scene, primitive, points, leaves, members_of, members, frames, sorted);
     const auto place = [&](const auto* rows, auto kernel) {
         Launch{stream, geometry.blocks(members.capacity), geometry.threads}(

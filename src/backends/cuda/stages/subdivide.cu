@@ -125,7 +125,7 @@ __global__ void move_kernel(Level level, const Row<float>* partial, unsigned til
 
 struct MembersShared {
     Row<float> centre[max_fan_out];
-    float bisector[max_fan_out][max_fan_out + 1];  // bisector_extent(); one more column to avoid bank conflicts
+    float bisector[max_fan_out][max_fan_out + 1];  // bisector_radius_factor(); one more column to avoid bank conflicts
     unsigned count[max_fan_out];
     unsigned long long place[max_fan_out];
     Row<float> origin[max_fan_out];  // origin and, as `unused`, LeafFrame::big of the children's frames
@@ -157,7 +157,7 @@ __device__ std::uint64_t children_of(const Ball& ball, const MembersShared& shar
 // places by one global atomic per child, not one per member. It counts in 32 bits, the width of native atomic additions
 // in shared memory.
 template <bool reaching, class Primitive>
-__global__ void members_kernel(Level level, const Ball* balls, std::uint64_t listed, Members members, Reaching how,
+__global__ void members_kernel(Level level, const Ball* balls, std::uint64_t listed, Members members, ExtentInput how,
                                Primitive primitive, unsigned long long* total, unsigned long long* unplaced) {
     auto& shared = dynamic_shared<MembersShared>();
     const unsigned parent = blockIdx.y, fan_out = static_cast<unsigned>(level.fan_out), first_child = parent * fan_out;
@@ -172,7 +172,7 @@ __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t lis
     __syncthreads();
     for (unsigned pair = threadIdx.x; pair < fan_out * fan_out; pair += blockDim.x) {
         const Row<float> v = shared.centre[pair / fan_out], w = shared.centre[pair % fan_out];
-        shared.bisector[pair / fan_out][pair % fan_out] = bisector_extent({w.x - v.x, w.y - v.y, w.z - v.z});
+        shared.bisector[pair / fan_out][pair % fan_out] = bisector_radius_factor({w.x - v.x, w.y - v.y, w.z - v.z});
     }
     __syncthreads();
     const Items items = items_of(level, parent);
@@ -275,14 +275,15 @@ void fuzzy_c_means(const Geometry& geometry, cudaStream_t stream, const Level& l
 }
 
 void make_members(const Geometry& geometry, cudaStream_t stream, const Level& level, std::size_t items,
-                  const Ball* balls, std::uint64_t listed, const Members& members, const Reaching& reaching,
+                  const Ball* balls, std::uint64_t listed, const Members& members, const ExtentInput& reaching,
                   unsigned long long* total, unsigned long long* unplaced) {
     const auto parents = static_cast<unsigned>(level.parents);
     const std::size_t share = items / parents + 1;
     const dim3 blocks{std::max(1u, std::min(geometry.blocks(share), 4 * geometry.resident / parents)), parents};
     const Launch launch{stream, blocks, geometry.threads, sizeof(MembersShared)};
     if (!reaching.frames.reach) {
-        launch(members_kernel<false, AtRest>, level, balls, listed, members, reaching, AtRest{}, total, unplaced);
+        launch(members_kernel<false, StaticTriangle>, level, balls, listed, members, reaching, StaticTriangle{}, total,
+               unplaced);
         return;
     }
     with_primitive(reaching.primitives, [&](auto primitive) {

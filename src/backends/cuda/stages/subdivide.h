@@ -37,7 +37,7 @@ void fuzzy_c_means(const Geometry& geometry, cudaStream_t stream, const Level& l
                    const Fuzziness& fuzziness, Row<float>* scratch);
 
 /// Input for the extents of leaves, which make_members() computes while it lists members if `frames.reach` is not null.
-struct Reaching {
+struct ExtentInput {
     Frames frames;
     PreparedScene scene;
     Primitives primitives;
@@ -47,7 +47,7 @@ struct Reaching {
 /// Computes the masks of all items, and lists the members of children that have a bit in `listed`. Adds the number of
 /// memberships to `total`, and the number of those without a place in their child to `unplaced`.
 void make_members(const Geometry& geometry, cudaStream_t stream, const Level& level, std::size_t items,
-                  const Ball* balls, std::uint64_t listed, const Members& members, const Reaching& reaching,
+                  const Ball* balls, std::uint64_t listed, const Members& members, const ExtentInput& reaching,
                   unsigned long long* total, unsigned long long* unplaced);
 
 /// Reserves places for the next pass: for each child as many as it has members in this one, and some spare. The last

@@ -27,7 +27,7 @@ struct Slice {
 /// A lane without a candidate passes that of another lane. Defined in sweep_kernel.h.
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
-           const List<Unit>& units, const Ownership& ownership, const PairSelection& wanted, const Filter& filter,
+           const List<SweepUnit>& units, const Ownership& ownership, const PairSelection& wanted, const Filter& filter,
            const List<Candidate>& survivors, const Slice& slice, Counters* counters);
 
 }  // namespace crumple::cuda

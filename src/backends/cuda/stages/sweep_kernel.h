@@ -66,7 +66,7 @@ struct Sweep {
     }
 
     // Tests the unit's columns against its rows. Returns the rows that the lane's column overlaps, one bit for each.
-    __device__ unsigned overlaps_of(const Unit& unit) {
+    __device__ unsigned overlaps_of(const SweepUnit& unit) {
         const bool has_row = unit.row + lane < unit.row_end;
         const std::uint32_t column = unit.column + lane;
         const bool has_column = column < unit.column_end;
@@ -89,7 +89,7 @@ struct Sweep {
         if (before < 32) overlapping &= (1u << before) - 1;
         return has_column ? overlapping : 0;
     }
-    __device__ void sweep(const Unit& unit) {
+    __device__ void sweep(const SweepUnit& unit) {
         unsigned rows = overlaps_of(unit);
         while (const unsigned having = __ballot_sync(whole_warp, rows != 0)) {
             const auto row = unit.row + static_cast<std::uint32_t>(31 - __clz(static_cast<int>(rows)));
@@ -131,7 +131,7 @@ __device__ void list_rest(SweepShared<threads, Filter>& shared, Sweep<Filter>& s
 
 template <int threads, class Filter>
 __global__ void __launch_bounds__(threads)
-    sweep_kernel(PreparedScene scene, Sorted sorted, List<Unit> units, Ownership ownership, PairSelection wanted,
+    sweep_kernel(PreparedScene scene, Sorted sorted, List<SweepUnit> units, Ownership ownership, PairSelection wanted,
                  Filter filter, List<Candidate> list, Slice slice, Counters* counters) {
     auto& shared = dynamic_shared<SweepShared<threads, Filter>>();
     WarpShared<Filter>& own = shared.warp[threadIdx.x / 32];
@@ -147,7 +147,7 @@ __global__ void __launch_bounds__(threads)
         taken = __shfl_sync(whole_warp, taken, 0);
         const unsigned long long number = begin + std::uint64_t{taken} * gridDim.x + blockIdx.x;
         if (number >= end) break;
-        const Unit unit = units.data[number * slice.step];
+        const SweepUnit unit = units.data[number * slice.step];
         if (!slice.decided.count || !has_ended(slice.decided.of(sorted.leaf[unit.row]))) sweep.sweep(unit);
     }
     while (sweep.candidates.size()) sweep.test_candidates();
@@ -158,7 +158,7 @@ __global__ void __launch_bounds__(threads)
 
 template <class Filter>
 void sweep(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Sorted& sorted,
-           const List<Unit>& units, const Ownership& ownership, const PairSelection& wanted, const Filter& filter,
+           const List<SweepUnit>& units, const Ownership& ownership, const PairSelection& wanted, const Filter& filter,
            const List<Candidate>& survivors, const Slice& slice, Counters* counters) {
     const auto run = [&]<int threads>() {
         constexpr auto kernel = detail::sweep_kernel<threads, Filter>;
