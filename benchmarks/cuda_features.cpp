@@ -21,9 +21,9 @@ DeviceArray copied(const io::TriangleMesh& mesh) {
 }
 
 /// Copy of a step on the device, with the stream on which its queries are launched.
-class StepThere {
+class DeviceStep {
    public:
-    explicit StepThere(const Step& step)
+    explicit DeviceStep(const Step& step)
         : start_(copied(step.start)),
           end_(copied(step.end)),
           triangles_(step.start.triangles.data(), step.start.triangles.size() * sizeof(std::int32_t)),
@@ -37,9 +37,9 @@ class StepThere {
         view_.stream = stream_;
         end_view_.data = end_.data();
     }
-    StepThere(const StepThere&) = delete;
-    StepThere& operator=(const StepThere&) = delete;
-    ~StepThere() {
+    DeviceStep(const DeviceStep&) = delete;
+    DeviceStep& operator=(const DeviceStep&) = delete;
+    ~DeviceStep() {
         for (cudaEvent_t event : {begin_event_, end_event_}) cudaEventDestroy(event);
         cudaStreamDestroy(stream_);
     }
@@ -106,7 +106,7 @@ void measure_step(const std::string& name, const Options& options, int frames, T
     const Step step = load_step(name);
     const MeshView here = step.start.view();
     const VertexView end_here = step.end_view();
-    const StepThere there(step);
+    const DeviceStep there(step);
     Detector cpu({.backend = Backend::cpu});
     const auto measure = [&](const char* what, const Scene& on_device, const Scene& on_host, const auto& query) {
         Detector detector(options);
@@ -148,7 +148,7 @@ void measure_step(const std::string& name, const Options& options, int frames, T
 
 void play_step(const std::string& name, const Options& options, int frames) {
     const Step step = load_step(name);
-    const StepThere there(step);
+    const DeviceStep there(step);
     const MeshView moving = there.view().moving_to(there.end());
     const auto play = [&](const Scene& scene, const auto& query) {
         Detector detector(options);

@@ -200,7 +200,7 @@ Growth grow_on_ranks(const scenes::Parameters& parameters, const Settings& setti
     for (double& time : growth.milliseconds) {
         MPI_Barrier(MPI_COMM_WORLD);
         const auto begin = Clock::now();
-        const DistributedIntersections& found = many.find(MeshShare{block.mesh.view(), {}, vertex_ids});
+        const DistributedIntersections& found = many.find(LocalMesh{block.mesh.view(), {}, vertex_ids});
         time = milliseconds_since(begin);
         growth.pairs = found.count;
         growth.mebibytes = Resident::measure().peak - empty;

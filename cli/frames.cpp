@@ -24,7 +24,7 @@ InputMeshes SequenceFrames::load(std::size_t i, const QueryOptions& options) {
         unit_.apply(files_[i], input.first);
         return input;
     }
-    return made_input(scene_name_ + ", frame " + std::to_string(i), scene_->frame(static_cast<int>(i)), options);
+    return generated_input(scene_name_ + ", frame " + std::to_string(i), scene_->frame(static_cast<int>(i)), options);
 }
 
 }  // namespace crumple::cli

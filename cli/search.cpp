@@ -119,7 +119,7 @@ InputMeshes read_input(const std::vector<std::string>& files, const QueryOptions
     return input;
 }
 
-InputMeshes made_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options) {
+InputMeshes generated_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options) {
     const GroupSource source = group_source(options);
     if (source == GroupSource::property && (options.groups != "group" || mesh.groups.empty())) {
         throw Error(ErrorCode::invalid_argument,

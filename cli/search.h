@@ -44,7 +44,7 @@ InputMeshes read_input(const std::vector<std::string>& files, const QueryOptions
 
 /// Returns a generated mesh as input, processed as if it had been read from a file with these options. Its groups count
 /// as a property named `group`. Throws as read_input does.
-InputMeshes made_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options);
+InputMeshes generated_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options);
 
 /// Mesh at the start of a step, and the same mesh at its end.
 struct MovingInput {

@@ -113,9 +113,9 @@ int SearchCommand::finish_stream(const Statistics& statistics, const ListWords& 
     const std::string found =
         fmt::format("{} {}{}", grouped(statistics.pairs), words.one, statistics.pairs == 1 ? "" : "s");
     if (stats) print_statistics(statistics, found);
-    const std::string told =
+    const std::string printed =
         statistics.pairs > 0 ? found : fmt::format("{}: {} triangles", words.none, grouped(triangles));
-    return finish(statistics.pairs > 0, fmt::format("{}, {:.1f} ms\n", told, statistics.milliseconds));
+    return finish(statistics.pairs > 0, fmt::format("{}, {:.1f} ms\n", printed, statistics.milliseconds));
 }
 
 int SearchCommand::finish(bool any, const std::string& summary) const {

@@ -34,8 +34,8 @@ Triangle triangle_of(const io::TriangleMesh& mesh, std::int64_t t) {
 bool is_degenerate(const Triangle& triangle) {
     const auto& [a, b, c] = triangle.point;
     for (int axis = 0; axis < 3; ++axis) {
-        const int turn = orient2d_filtered(a, b, c, axis);
-        if (turn == 1 || turn == -1) return false;
+        const int reverse = orient2d_filtered(a, b, c, axis);
+        if (reverse == 1 || reverse == -1) return false;
     }
     // Decides exactly: the contact of a triangle with itself is the triangle, so it is an area (three corners or more)
     // unless the triangle is degenerate.

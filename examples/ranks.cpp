@@ -49,7 +49,7 @@ struct Block {
 bool run() {
     crumple::mpi::Detector detector(MPI_COMM_WORLD);
     Block block(rows * detector.rank() / detector.ranks(), rows * (detector.rank() + 1) / detector.ranks());
-    const crumple::MeshShare share{{block.vertices, block.triangles}, block.triangle_ids, block.vertex_ids};
+    const crumple::LocalMesh share{{block.vertices, block.triangles}, block.triangle_ids, block.vertex_ids};
     bool any = false;
     for (int frame = 0; frame < 4; ++frame) {
         block.move(frame);

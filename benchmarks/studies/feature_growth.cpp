@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 
 #include "report.h"
-#include "studies/feature_questions.h"
+#include "studies/feature_queries.h"
 #include "studies/studies.h"
 
 namespace crumple::benchmark {
 namespace {
 
-nlohmann::json grow(const std::string& scene, FeatureQuestion query, const std::vector<int>& sizes,
+nlohmann::json grow(const std::string& scene, FeatureQueryKind query, const std::vector<int>& sizes,
                     const Effort& effort) {
     const std::vector<FeatureWay> ways = feature_ways();
     std::vector<std::string> header{"triangles", "box overlaps", "found"};
@@ -68,7 +68,7 @@ nlohmann::json study_feature_growth(const StudySettings& settings) {
     if (!settings.quick) sizes.insert(sizes.end(), {300'000, 1'000'000, 2'000'000});
     const std::string scene = settings.scenes.empty() ? "cloth" : settings.scenes.front();
     nlohmann::json rows = nlohmann::json::array();
-    for (const FeatureQuestion query : feature_questions) rows.push_back(grow(scene, query, sizes, settings.effort));
+    for (const FeatureQueryKind query : feature_queries) rows.push_back(grow(scene, query, sizes, settings.effort));
     return rows;
 }
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "report.h"
-#include "studies/feature_questions.h"
+#include "studies/feature_queries.h"
 #include "studies/studies.h"
 
 namespace crumple::benchmark {
@@ -13,7 +13,7 @@ namespace {
 
 /// Measures the median milliseconds of each stage and of the whole call over `calls` warm calls, and the counts. Adds a
 /// row to both tables, and returns the figures.
-nlohmann::json stages(const Step& step, FeatureQuestion query, int calls, Table& times, Table& counts) {
+nlohmann::json stages(const Step& step, FeatureQueryKind query, int calls, Table& times, Table& counts) {
     Detector detector({.threads = 1});
     std::array<std::vector<double>, stage_count> stage;
     std::vector<double> totals;
@@ -50,7 +50,7 @@ nlohmann::json stages(const Step& step, FeatureQuestion query, int calls, Table&
     return row;
 }
 
-nlohmann::json ways(const Step& step, FeatureQuestion query, const Effort& effort) {
+nlohmann::json ways(const Step& step, FeatureQueryKind query, const Effort& effort) {
     const std::vector<FeatureWay> all = feature_ways();
     std::vector<Contestant> contestants;
     for (const FeatureWay& way : all) contestants.push_back(asks(way.options, step, query, way.name));
@@ -79,7 +79,7 @@ nlohmann::json study_features(const StudySettings& settings) {
     nlohmann::json rows = nlohmann::json::array();
     for (const std::string& name : names) {
         const Step step = load_step(name);
-        for (const FeatureQuestion query : feature_questions) {
+        for (const FeatureQueryKind query : feature_queries) {
             rows.push_back(stages(step, query, settings.effort.rounds, times, counts));
             rows.back()["ways"] = ways(step, query, settings.effort);
         }

@@ -7,13 +7,13 @@
 #include <memory>
 
 #include "report.h"
-#include "studies/feature_questions.h"
+#include "studies/feature_queries.h"
 #include "studies/studies.h"
 
 namespace crumple::benchmark {
 namespace {
 
-struct Asked {
+struct NamedQuery {
     std::string name;
     ProximityQuery query;
 };
@@ -29,9 +29,9 @@ nlohmann::json study(const Step& step, const Effort& effort) {
     const MeshView mesh = step.start.view();
     const auto vertices = static_cast<std::size_t>(mesh.vertices.rows);
     const std::vector<double> equal(vertices, 0.5 * step.radius), different = uneven(vertices, 0.5 * step.radius);
-    std::vector<Asked> all{{"one radius", {.radius = step.radius}},
-                           {"radii of half of it", {.radii = equal}},
-                           {"radii of a sixteenth to a half", {.radii = different}}};
+    std::vector<NamedQuery> all{{"one radius", {.radius = step.radius}},
+                                {"radii of half of it", {.radii = equal}},
+                                {"radii of a sixteenth to a half", {.radii = different}}};
     for (const std::int32_t rings : {1, 2, 3})
         all.push_back({fmt::format("{} rings", rings), {.radius = step.radius, .rings = rings}});
     all.push_back(
@@ -39,7 +39,7 @@ nlohmann::json study(const Step& step, const Effort& effort) {
 
     std::vector<Contestant> contestants;
     std::vector<std::shared_ptr<Detector>> detectors;
-    for (const Asked& asked : all) {
+    for (const NamedQuery& asked : all) {
         const auto detector = std::make_shared<Detector>(Options{.threads = 1});
         detectors.push_back(detector);
         contestants.push_back({asked.name, "", "", [=] { detector->find(mesh, asked.query); }, {}});

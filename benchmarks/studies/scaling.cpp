@@ -30,25 +30,26 @@ double time_of_thread() {
 }
 
 /// Figures of one rank in one frame.
-struct Told {
+struct RankFigures {
     double work = 0, rest = 0;                       // milliseconds of search, and of all else outside the transport
     double bytes = 0, messages = 0, neighbours = 0;  // sent in exchanges; number of ranks to which they were sent
     double reductions = 0, reduced = 0, broadcasts = 0, all_to_alls = 0, exchanges = 0;  // calls; `reduced` is in bytes
     double members = 0;
     double moved = 0;  // DistributedStatistics::moved as 0 or 1
 };
-constexpr std::array<std::pair<const char*, double Told::*>, 12> columns{{{"work", &Told::work},
-                                                                          {"rest", &Told::rest},
-                                                                          {"bytes", &Told::bytes},
-                                                                          {"messages", &Told::messages},
-                                                                          {"neighbours", &Told::neighbours},
-                                                                          {"reductions", &Told::reductions},
-                                                                          {"reduced", &Told::reduced},
-                                                                          {"broadcasts", &Told::broadcasts},
-                                                                          {"all_to_alls", &Told::all_to_alls},
-                                                                          {"exchanges", &Told::exchanges},
-                                                                          {"members", &Told::members},
-                                                                          {"moved", &Told::moved}}};
+constexpr std::array<std::pair<const char*, double RankFigures::*>, 12> columns{
+    {{"work", &RankFigures::work},
+     {"rest", &RankFigures::rest},
+     {"bytes", &RankFigures::bytes},
+     {"messages", &RankFigures::messages},
+     {"neighbours", &RankFigures::neighbours},
+     {"reductions", &RankFigures::reductions},
+     {"reduced", &RankFigures::reduced},
+     {"broadcasts", &RankFigures::broadcasts},
+     {"all_to_alls", &RankFigures::all_to_alls},
+     {"exchanges", &RankFigures::exchanges},
+     {"members", &RankFigures::members},
+     {"moved", &RankFigures::moved}}};
 
 /// Decorator of the in-process transport that counts calls and measures their time.
 class Counted final : public distribute::Transport {
@@ -81,7 +82,7 @@ class Counted final : public distribute::Transport {
     }
 
     /// Returns the figures of the frame that ends here, and resets them.
-    Told end(double milliseconds, const DistributedStatistics& statistics) {
+    RankFigures end(double milliseconds, const DistributedStatistics& statistics) {
         told_.work = statistics.work_milliseconds;
         told_.rest = milliseconds - inside_ - told_.work;
         told_.moved = statistics.moved;
@@ -101,7 +102,7 @@ class Counted final : public distribute::Transport {
     }
     distribute::InProcess inner_;
     std::vector<bool> spoken_to_;
-    Told told_;
+    RankFigures told_;
     double inside_ = 0;
 };
 
@@ -121,28 +122,28 @@ struct MovingBlock {
         vertex_ids.resize(static_cast<std::size_t>(blocks[0].mesh.vertex_count()));
         std::iota(vertex_ids.begin(), vertex_ids.end(), blocks[0].first_vertex);
     }
-    MeshShare share(int frame) const {
+    LocalMesh share(int frame) const {
         return {blocks[static_cast<std::size_t>(frame % 2)].mesh.view(), {}, vertex_ids};
     }
 };
 
 /// Returns the largest value and the mean of each column over all ranks.
-nlohmann::json over_ranks(const std::vector<Told>& ranks) {
+nlohmann::json over_ranks(const std::vector<RankFigures>& ranks) {
     nlohmann::json row;
     for (const auto& [name, member] : columns) {
         double largest = 0, sum = 0;
-        for (const Told& told : ranks) largest = std::max(largest, told.*member), sum += told.*member;
+        for (const RankFigures& told : ranks) largest = std::max(largest, told.*member), sum += told.*member;
         row[name] = {{"largest", largest}, {"mean", sum / static_cast<double>(ranks.size())}};
     }
     return row;
 }
 
 /// Returns the median of each column over the frames of one rank.
-Told median_of(const std::vector<Told>& told) {
-    Told median;
+RankFigures median_of(const std::vector<RankFigures>& told) {
+    RankFigures median;
     for (const auto& [name, member] : columns) {
         std::vector<double> values;
-        for (const Told& one : told) values.push_back(one.*member);
+        for (const RankFigures& one : told) values.push_back(one.*member);
         median.*member = summarise(std::move(values)).median;
     }
     return median;
@@ -150,7 +151,7 @@ Told median_of(const std::vector<Told>& told) {
 
 nlohmann::json frames_of(const scenes::Parameters& parameters, int ranks) {
     const auto hub = std::make_shared<distribute::Hub>(ranks);
-    std::vector<Told> first(static_cast<std::size_t>(ranks)), later(first);
+    std::vector<RankFigures> first(static_cast<std::size_t>(ranks)), later(first);
     std::vector<std::thread> threads;
     std::int64_t pairs = 0;
     for (int r = 0; r < ranks; ++r)
@@ -162,7 +163,7 @@ nlohmann::json frames_of(const scenes::Parameters& parameters, int ranks) {
             const MovingBlock block(parameters, r, ranks);
             distribute::RankDetector detector(transport, options);
             detector.set_clock(time_of_thread);
-            std::vector<Told> told;
+            std::vector<RankFigures> told;
             for (int frame = 0; frame < frames; ++frame) {
                 const double begin = time_of_thread();
                 const std::int64_t total = detector.find(block.share(frame)).count;

@@ -55,7 +55,7 @@ struct Convert {
         return done;
     }
 
-    void tell(std::int64_t triangles, std::size_t bodies, io::Unit unit) const {
+    void print_summary(std::int64_t triangles, std::size_t bodies, io::Unit unit) const {
         std::string text = grouped(triangles) + (triangles == 1 ? " triangle" : " triangles");
         if (bodies > 1) text += fmt::format(" in {} bodies", grouped(static_cast<std::int64_t>(bodies)));
         text += " to " + (is_standard(output) ? "standard output" : output);
@@ -69,7 +69,7 @@ struct Convert {
             to_standard_output([&](std::ostream& out) { io::write_mesh(out, mesh, mesh_format, how); });
         else
             io::write_mesh(output, mesh, how);
-        tell(mesh.triangle_count(), 1, mesh.unit);
+        print_summary(mesh.triangle_count(), 1, mesh.unit);
     }
 
     void write_bodies(const io::WorldMesh& world, io::MeshFormat format_of_bodies) const {
@@ -79,7 +79,7 @@ struct Convert {
             io::write_world(output, world);
         // glTF files are in metres: write_world() scales bodies with a known unit.
         const bool in_metres = format_of_bodies == io::MeshFormat::glb && world.unit != io::Unit::unknown;
-        tell(world.triangle_count(), world.bodies.size(), in_metres ? io::Unit::metre : world.unit);
+        print_summary(world.triangle_count(), world.bodies.size(), in_metres ? io::Unit::metre : world.unit);
     }
 
     void check_not_input() const {

@@ -117,7 +117,7 @@ struct Sequence {
         const std::size_t count = impacts ? frames.count() - 1 : frames.count();
         Progress progress(count);
         std::size_t i = 0;
-        const auto well = [](const StatisticsTable& table) { return table.well(); };
+        const auto is_good = [](const StatisticsTable& table) { return table.is_good(); };
         const auto add_row = [&](const Statistics& statistics, const FirstImpact& first = {}) {
             progress.clear();
             for (StatisticsTable& table : tables) table.add(frames.name(i), statistics, first);
@@ -125,7 +125,7 @@ struct Sequence {
         };
         try {
             std::optional<InputMeshes> start;
-            for (; i < count && !stop && std::all_of(tables.begin(), tables.end(), well); ++i) {
+            for (; i < count && !stop && std::all_of(tables.begin(), tables.end(), is_good); ++i) {
                 progress.show(i, frames.name(i));
                 if (impacts) {
                     const QueryOptions reading = reading_of_motion(query_options);

@@ -28,7 +28,7 @@ class StatisticsTable {
     /// be created.
     void add(const std::string& frame, const Statistics& statistics, const FirstImpact& first = {});
     /// True if all rows so far could be written.
-    bool well() const { return !out_ || *out_; }
+    bool is_good() const { return !out_ || *out_; }
     /// Completes the table. Writes nothing if it has no rows. Throws Error (file) if the file could not be written.
     void finish();
     /// Ends the table after a failure: on a stream, makes the rows so far a complete table; leaves a file unchanged.

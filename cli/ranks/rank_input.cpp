@@ -16,7 +16,7 @@ namespace crumple::cli {
 namespace {
 
 /// Block of a mesh that this rank has read. `end`: for a step, the block of the mesh at the end of the step.
-struct SharedMesh : io::MeshSlice {
+struct RankMeshInput : io::MeshSlice {
     std::optional<io::TriangleMesh> end;
 };
 
@@ -39,7 +39,7 @@ std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file,
     const std::int64_t rows = slice ? slice->triangles.rows : -1, most = link.largest(rows);
     const bool fits = slice && rows == most && !(for_features && slice->weld);
     if (!link.least(failed || fits)) return std::nullopt;
-    link.agree([&] {
+    link.run_checked([&] {
         if (failed) std::rethrow_exception(failed);
     });
     return slice;
@@ -47,26 +47,26 @@ std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file,
 
 /// Collective. Reads all files in slices. Returns nothing if that is impossible for one of them, or if the two files of
 /// a step do not match: rank 0 then reads both and reports why.
-std::optional<SharedMesh> read_slices(RankLink& link, const std::vector<std::string>& files, QueryOptions query_options,
-                                      bool for_features) {
+std::optional<RankMeshInput> read_slices(RankLink& link, const std::vector<std::string>& files,
+                                         QueryOptions query_options, bool for_features) {
     std::optional<io::MeshSlice> slice = read_slice(link, files[0], query_options, for_features);
     if (!slice) return std::nullopt;
-    if (files.size() == 1) return SharedMesh{std::move(*slice), {}};
+    if (files.size() == 1) return RankMeshInput{std::move(*slice), {}};
     query_options.groups.clear();
     std::optional<io::MeshSlice> end = read_slice(link, files[1], query_options, for_features);
     if (!end) return std::nullopt;
     const bool same = slice->vertices.rows == end->vertices.rows && slice->mesh.triangles == end->mesh.triangles;
     if (!link.least(same)) return std::nullopt;
-    return SharedMesh{std::move(*slice), std::move(end->mesh)};
+    return RankMeshInput{std::move(*slice), std::move(end->mesh)};
 }
 
 /// Collective. Reads all files on rank 0, and distributes blocks of triangles. All vertices stay on rank 0 until
 /// with_vertices().
-SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,
-                         const QueryOptions& reading) {
+RankMeshInput read_by_first(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,
+                            const QueryOptions& reading) {
     const bool moves = files.size() > 1;
     StepOrStatic input;
-    link.agree([&] {
+    link.run_checked([&] {
         if (!link.is_first()) return;
         if (moves)
             input = read_step_or_static(files[0], files[1], query_options);
@@ -77,7 +77,7 @@ SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, 
     });
     if (moves && !input.end) input.end.emplace();
     io::TriangleMesh& all = input.start.first;
-    SharedMesh mesh;
+    RankMeshInput mesh;
     mesh.triangles = {link.sum(all.triangle_count()), link.ranks()};
     mesh.vertices = {link.sum(all.vertex_count()), 1};
     const auto block = [&](std::size_t i) { return mesh.triangles.reader_of(static_cast<std::int64_t>(i)); };
@@ -91,8 +91,8 @@ SharedMesh read_by_first(RankLink& link, const std::vector<std::string>& files, 
 
 /// Returns the ids of the vertices that a rank needs, ascending: the vertices [begin, end) of its own block, so that
 /// every vertex is on some rank, and the corners of its triangles.
-std::vector<std::int64_t> numbers_of_vertices(std::span<const std::int32_t> corners, std::int64_t begin,
-                                              std::int64_t end) {
+std::vector<std::int64_t> needed_vertex_ids(std::span<const std::int32_t> corners, std::int64_t begin,
+                                            std::int64_t end) {
     std::vector<std::int64_t> named, block(static_cast<std::size_t>(end - begin)), all;
     std::copy_if(corners.begin(), corners.end(), std::back_inserter(named),
                  [&](std::int32_t corner) { return corner < begin || corner >= end; });
@@ -116,7 +116,7 @@ void fetch(RankLink& link, const std::vector<VertexRequest>& requests, std::int6
     std::visit(
         [&](auto& xyz) {
             std::decay_t<decltype(xyz)> requested;
-            link.agree([&] {
+            link.run_checked([&] {
                 for (const VertexRequest& request : requests) {
                     const auto vertex = xyz.begin() + 3 * (request.vertex - first);
                     requested.insert(requested.end(), vertex, vertex + 3);
@@ -129,15 +129,15 @@ void fetch(RankLink& link, const std::vector<VertexRequest>& requests, std::int6
 }
 
 /// Collective. Fetches the vertices that this rank needs, and converts corners from ids to indices of these vertices.
-RankInput with_vertices(RankLink& link, SharedMesh mesh) {
+RankInput with_vertices(RankLink& link, RankMeshInput mesh) {
     io::Blocks blocks = mesh.vertices;
     blocks.readers = link.ranks();
     const std::int64_t begin = blocks.begin(link.rank()), end = blocks.end(link.rank());
     RankInput input{std::move(mesh.mesh), std::move(mesh.end), {}, false, mesh.triangles, mesh.weld};
     std::vector<std::int64_t>& ids = input.vertex_ids;
     std::vector<VertexRequest> requests;
-    link.agree([&] {
-        ids = numbers_of_vertices(input.mesh.triangles, begin, end);
+    link.run_checked([&] {
+        ids = needed_vertex_ids(input.mesh.triangles, begin, end);
         for (const std::int64_t id : ids) requests.push_back({static_cast<std::int32_t>(id), link.rank()});
     });
     requests = link.redistribute(requests, [&](std::size_t i) { return mesh.vertices.reader_of(ids[i]); });
@@ -156,8 +156,8 @@ RankInput with_vertices(RankLink& link, SharedMesh mesh) {
 
 }  // namespace
 
-MeshShare RankInput::share() const {
-    const MeshShare share{.mesh = mesh.view(),
+LocalMesh RankInput::share() const {
+    const LocalMesh share{.mesh = mesh.view(),
                           .triangle_ids = {},
                           .vertex_ids = has_copies ? std::span(vertex_ids) : std::span<const std::int64_t>()};
     return end ? share.moving_to(end->view().vertices) : share;
@@ -168,7 +168,7 @@ RankInput read_on_ranks(RankLink& link, const std::vector<std::string>& files, c
     QueryOptions reading = query_options;
     if (for_features)
         reading = files.size() > 1 ? reading_of_motion(query_options) : with_lines_and_points(query_options);
-    std::optional<SharedMesh> mesh = read_slices(link, files, reading, for_features);
+    std::optional<RankMeshInput> mesh = read_slices(link, files, reading, for_features);
     return with_vertices(link, mesh ? std::move(*mesh) : read_by_first(link, files, query_options, reading));
 }
 

@@ -23,7 +23,7 @@ struct RankInput {
     io::Blocks triangles;                  ///< blocks of all ranks
     bool weld = false;                     ///< the search must weld vertices at equal positions
 
-    MeshShare share() const;
+    LocalMesh share() const;
 };
 
 /// Collective. Reads a mesh or, for two files, one mesh at the start and at the end of a step. Each rank reads its own

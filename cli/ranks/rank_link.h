@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "distributed/mpi/mpi_transport.h"
-#include "distributed/transport/agreement.h"
+#include "distributed/transport/collective_check.h"
 #include "distributed/transport/exchange_lists.h"
-#include "distributed/transport/rounds.h"
+#include "distributed/transport/message_batches.h"
 
 namespace crumple::cli {
 
@@ -32,7 +32,7 @@ class RankLink {
     /// Collective error check: runs work() on each rank. If it throws on any rank, throws the same Error on all ranks.
     /// Use it for all work that may fail on one rank only, because the other ranks would wait for that rank forever.
     template <class Work>
-    void agree(Work work) {
+    void run_checked(Work work) {
         agreement_(Phase::input, std::move(work));
     }
 
@@ -49,7 +49,7 @@ class RankLink {
     auto redistribute(const Values& values, RankOf rank_of, std::size_t width = 1) {
         using Value = std::decay_t<decltype(values[std::size_t{0}])>;
         std::vector<std::vector<Value>> leaving;
-        agree([&] {
+        run_checked([&] {
             leaving.resize(static_cast<std::size_t>(ranks()));
             for (std::size_t i = 0; i < values.size(); i += width) {
                 std::vector<Value>& to = leaving[static_cast<std::size_t>(rank_of(i / width))];
@@ -59,7 +59,7 @@ class RankLink {
         const distribute::Traffic traffic =
             distribute::traffic_of(rounds_, [&](std::size_t rank) { return leaving[rank].size(); });
         std::vector<Value> coming;
-        agree([&] { coming.resize(distribute::all(traffic.in)); });
+        run_checked([&] { coming.resize(distribute::all(traffic.in)); });
         distribute::exchange_lists(
             rounds_, traffic, [&](std::size_t rank) -> auto& { return leaving[rank]; }, coming);
         return coming;

@@ -23,22 +23,22 @@ void assign(Array<Value>& array, const std::vector<Value>& values) {
 }
 
 /// Row of one kind of feature pairs, in the form in which it is sent between ranks.
-struct TravellingRow {
+struct SentRow {
     Pair pair;           ///< the two features, by their ids over all ranks
     io::FeatureRow row;  ///< the row as it is written, in which vertices identify edges
 };
-using RowsByKind = std::array<std::vector<TravellingRow>, feature_kinds>;
+using RowsByKind = std::array<std::vector<SentRow>, feature_kinds>;
 
 /// Returns the rows that this rank has found. `value`, `flag`: pointers to the members of a list with its values and
 /// flags.
 template <auto value, auto flag, class Found>
-std::vector<TravellingRow> rows_of(const Found& found, std::size_t kind) {
+std::vector<SentRow> rows_of(const Found& found, std::size_t kind) {
     const auto ends_of = [ids = found.edge_ids.span(), &found](std::int32_t edge) {
         return found.edges[std::lower_bound(ids.begin(), ids.end(), edge) - ids.begin()];
     };
     const auto& list = found.lists[kind];
     const CandidateKind of = io::kind_of(static_cast<FeatureKind>(kind));
-    std::vector<TravellingRow> rows;
+    std::vector<SentRow> rows;
     for (std::size_t i = 0; i < list.pairs.size(); ++i) {
         const Pair pair = list.pairs[i];
         io::FeatureRow row{{of, {}, {pair.a, pair.b}}, (list.*value)[i], (list.*flag)[i] != 0};
@@ -59,13 +59,13 @@ template <auto value, auto flag, class Found>
 RowsByKind rows_in_order(RankLink& link, const Found& found) {
     RowsByKind by_kind;
     for (std::size_t kind = 0; kind < by_kind.size(); ++kind) {
-        std::vector<TravellingRow>& rows = by_kind[kind];
-        link.agree([&] { rows = rows_of<value, flag>(found, kind); });
+        std::vector<SentRow>& rows = by_kind[kind];
+        link.run_checked([&] { rows = rows_of<value, flag>(found, kind); });
         const std::int64_t first =
             link.least(rows.empty() ? std::numeric_limits<std::int32_t>::max() : rows.front().pair.a);
         const io::Blocks features{link.largest(rows.empty() ? -1 : rows.back().pair.a) + 1 - first, link.ranks()};
         rows = link.redistribute(rows, [&](std::size_t i) { return features.reader_of(rows[i].pair.a - first); });
-        link.agree([&] { distribute::merge_runs(rows, [](const TravellingRow& row) { return row.pair; }); });
+        link.run_checked([&] { distribute::merge_runs(rows, [](const SentRow& row) { return row.pair; }); });
     }
     return by_kind;
 }
@@ -77,7 +77,7 @@ std::vector<Edge> edges_of_all(RankLink& link, const RankInput& input) {
         return static_cast<std::int32_t>(input.vertex_ids[static_cast<std::size_t>(vertex)]);
     };
     std::vector<Edge> edges;
-    link.agree([&] {
+    link.run_checked([&] {
         edges = io::features_of(input.mesh).edges;
         for (Edge& edge : edges) edge = {over_all_ranks(edge.a), over_all_ranks(edge.b)};
     });
@@ -94,15 +94,15 @@ RankList<Result> list_of_features(RankLink& link, const RankInput& input, const 
     RankList<Result> list{words.rows(), {}, {}};
     for (std::size_t kind = 0; kind < rows->size(); ++kind)
         list.sections.push_back([rows, kind, words](io::RowWriter& writer) {
-            for (const TravellingRow& row : (*rows)[kind]) words.add(writer, row.row, false);
+            for (const SentRow& row : (*rows)[kind]) words.add(writer, row.row, false);
         });
     list.collect = [rows, &link, &input] {
         Result all;
         for (std::size_t kind = 0; kind < rows->size(); ++kind) {
-            const std::vector<TravellingRow> of_all = link.gather((*rows)[kind]);
-            link.agree([&] {
+            const std::vector<SentRow> of_all = link.gather((*rows)[kind]);
+            link.run_checked([&] {
                 auto& to = all.lists[kind];
-                for (const TravellingRow& row : of_all) {
+                for (const SentRow& row : of_all) {
                     to.pairs.push_back(row.pair);
                     (to.*value).push_back(row.row.value);
                     (to.*flag).push_back(row.row.flag ? 1 : 0);
@@ -111,7 +111,7 @@ RankList<Result> list_of_features(RankLink& link, const RankInput& input, const 
             all.count += static_cast<std::int64_t>(of_all.size());
         }
         const std::vector<Edge> edges = edges_of_all(link, input);
-        link.agree([&] {
+        link.run_checked([&] {
             assign(all.edges, edges);
             assign(all.first_edge, {0, static_cast<std::int64_t>(edges.size())});
         });
@@ -123,14 +123,14 @@ RankList<Result> list_of_features(RankLink& link, const RankInput& input, const 
 /// Collective. Returns the contacts of all ranks on rank 0.
 Contacts collect(RankLink& link, const Contacts& mine) {
     std::vector<std::int64_t> counts;  // number of points of each pair
-    link.agree([&] {
+    link.run_checked([&] {
         for (std::size_t i = 0; i < mine.kinds.size(); ++i) counts.push_back(mine.offsets[i + 1] - mine.offsets[i]);
     });
     counts = link.gather(counts);
     const auto kinds = link.gather(mine.kinds);
     const auto points = link.gather(mine.points);
     Contacts all;
-    link.agree([&] {
+    link.run_checked([&] {
         assign(all.kinds, kinds);
         assign(all.points, points);
         all.offsets.push_back(0);
@@ -150,7 +150,7 @@ RankList<Intersections> list_of(RankLink& link, const RankInput& input, const In
         Intersections all;
         const std::vector<Pair> pairs = link.gather(found.pairs);
         if (contacts) all.contacts = collect(link, found.contacts);
-        link.agree([&] {
+        link.run_checked([&] {
             assign(all.pairs, pairs);
             if (link.is_first()) index_by_triangle(all, triangles, 0);
         });
@@ -173,7 +173,7 @@ std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, i
     const std::int64_t begin = triangles.begin(link.rank());
     std::vector<std::uint8_t> hit;
     std::vector<std::int32_t> seconds;
-    link.agree([&] {
+    link.run_checked([&] {
         hit.assign(static_cast<std::size_t>(triangles.size(link.rank())), 0);
         for (const Pair& pair : found.pairs) {
             hit[static_cast<std::size_t>(pair.a - begin)] = 1;

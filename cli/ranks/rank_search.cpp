@@ -46,7 +46,7 @@ void check_options(const SearchCommand& command) {
 
 /// Returns the error without "rank 3: " in its message if the rank does not matter: for errors of rank 0, which does
 /// what a single process would do, and for errors in a file's contents, which do not depend on the rank.
-Error as_of_one_process(const Error& error) {
+Error without_rank(const Error& error) {
     const std::string who = "rank " + std::to_string(error.rank) + ": ", message = error.what();
     if (!message.starts_with(who) || (error.rank > 0 && error.code != ErrorCode::format)) return error;
     Error plain(error.code, message.substr(who.size()), error.element, error.index, error.bytes_needed,
@@ -121,7 +121,7 @@ void write(RankLink& link, const ListOutputs& outputs, const RankList<Result>& l
             continue;
         }
         if (!all) complete(all.emplace(list.collect()));
-        link.agree([&] {
+        link.run_checked([&] {
             if (!link.is_first()) return;
             if (!is_standard(path)) return io::write_list(path, io::table_of(*all), format);
             to_standard_output([&](std::ostream& out) { io::write_list(out, io::table_of(*all), format); });
@@ -135,7 +135,7 @@ int search(RankLink& link, const SearchCommand& command, const std::vector<std::
     constexpr ListWords words = !of_features                         ? words_of_pairs
                                 : std::is_same_v<Query, ImpactQuery> ? words_of_impacts
                                                                      : words_of_near;
-    link.agree([&] { check_outputs(command.outputs.paths, files, command.query_options); });
+    link.run_checked([&] { check_outputs(command.outputs.paths, files, command.query_options); });
     std::optional<AllowedThreads> threads;
     if (command.options.threads) threads.emplace(command.options.threads);
     const Steps steps(command.progress);
@@ -150,13 +150,13 @@ int search(RankLink& link, const SearchCommand& command, const std::vector<std::
         try {
             return detector.find(input.share(), query);
         } catch (const Error& error) {
-            throw with_name(files.size() > 1 ? files[0] + " to " + files[1] : files[0], as_of_one_process(error));
+            throw with_name(files.size() > 1 ? files[0] + " to " + files[1] : files[0], without_rank(error));
         }
     };
     const auto& found = find();
     const auto report = [&] {
         int status = done;
-        link.agree([&] { status = SearchCommand::report(found.any, words); });
+        link.run_checked([&] { status = SearchCommand::report(found.any, words); });
         return status;
     };
     if (query.output == Output::any) return report();
@@ -196,7 +196,7 @@ int search_on_ranks(const SearchCommand& command, const std::vector<std::string>
         RankLink link;
         return search(link, command, files, query);
     } catch (const Error& error) {
-        if (error.rank >= 0) throw as_of_one_process(error);  // thrown on all ranks
+        if (error.rank >= 0) throw without_rank(error);  // thrown on all ranks
         abort_all_ranks(error.what(), failed);
     } catch (const std::bad_alloc&) {
         abort_all_ranks("the machine does not have enough memory", out_of_memory);

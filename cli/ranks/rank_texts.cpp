@@ -24,7 +24,7 @@ namespace {
 class RankTexts {
    public:
     RankTexts(RankLink& link, const io::RowTable& table, const RankSections& sections, bool csv) : link_(link) {
-        link.agree([&] {
+        link.run_checked([&] {
             begins_.resize(sections.size() * ranks() + 1);
             for (const auto& section : sections) {
                 std::ostringstream out;
@@ -91,24 +91,24 @@ void write_text(RankLink& link, const std::string& path, const io::RowTable& tab
                 bool csv) {
     const RankTexts all(link, table, sections, csv);
     if (is_standard(path))
-        return link.agree([&] { to_standard_output([&](std::ostream& out) { all.write_by_first(out); }); });
+        return link.run_checked([&] { to_standard_output([&](std::ostream& out) { all.write_by_first(out); }); });
     std::optional<io::AtomicFile> target;  // on rank 0 only
     std::string temporary;
-    link.agree([&] {
+    link.run_checked([&] {
         if (!link.is_first()) return;
         target.emplace(path);
         temporary = target->temporary().string();
     });
     std::fstream file(link.text_of_first(temporary), std::ios::in | std::ios::out | std::ios::binary);
     const bool all_see_it = link.least(file.is_open());
-    link.agree([&] {
+    link.run_checked([&] {
         std::ostream nowhere(nullptr);
         if (all_see_it)
             all.write_own(file, path);
         else
             all.write_by_first(target ? target->stream() : nowhere);
     });
-    link.agree([&] {
+    link.run_checked([&] {
         if (target) target->commit();
     });
 }

@@ -25,7 +25,7 @@ namespace crumple {
 /// copies of one vertex (ghost vertices), which makes the triangles that name it adjacent. Its coordinates must then be
 /// equal bit by bit, compared as float64 if some rank has float64. At most 2^31 - 1 triangles, and as many vertices,
 /// over all ranks.
-struct MeshShare {
+struct LocalMesh {
     MeshView mesh;  ///< `triangles` are indices into the `vertices` of this rank
     /// Number of each local triangle. If the list is empty on all ranks, triangles are numbered rank by rank.
     std::span<const std::int64_t> triangle_ids;
@@ -34,16 +34,16 @@ struct MeshShare {
     std::span<const std::int64_t> vertex_ids;
 
     /// Returns this local mesh with the given positions of its vertices at the end of a step.
-    MeshShare moving_to(const VertexView& end) const { return {mesh.moving_to(end), triangle_ids, vertex_ids}; }
+    LocalMesh moving_to(const VertexView& end) const { return {mesh.moving_to(end), triangle_ids, vertex_ids}; }
 };
 
-/// Local bodies of a rank, and their shapes. Views, as in MeshShare. All ranks share one world, so Body::world is 0.
+/// Local bodies of a rank, and their shapes. Views, as in LocalMesh. All ranks share one world, so Body::world is 0.
 /// Over all ranks bodies are numbered 0 to B - 1, each exactly once; pair filters and results use these numbers. Every
 /// rank has a table of all bodies, about 70 bytes each.
 ///
 /// If bodies only move between two calls (new poses, or new coordinates of their shapes), only coordinates are sent.
 /// Shape::name is ignored; poses are in host memory.
-struct WorldShare {
+struct LocalWorld {
     World world;
     /// Number of each local body. If the list is empty on all ranks, bodies are numbered rank by rank.
     std::span<const std::int64_t> body_ids;
@@ -61,7 +61,7 @@ struct DistributedOptions {
     int parts = 0;
     /// Approximate size in bytes of the message batches that a rank sends, and of the batches that it receives; at
     /// least 1 KiB. A batch is divided equally among the ranks, but each message has at least one row.
-    std::int64_t round_bytes = std::int64_t{1} << 26;
+    std::int64_t batch_bytes = std::int64_t{1} << 26;
 };
 
 /// Phases of a call, in order: check that all ranks make the same query; read the input; match ids over ranks; compute

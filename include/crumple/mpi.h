@@ -45,8 +45,8 @@ class CRUMPLE_API Detector {
     void close();
 
     /// Finds everything that the query describes, as crumple::Detector::find does. Each rank gets the rows whose first
-    /// triangle, feature or body it has provided, in order; valid until the next call. `Share` is MeshShare or
-    /// WorldShare; the query is an IntersectionQuery, ImpactQuery or ProximityQuery.
+    /// triangle, feature or body it has provided, in order; valid until the next call. `Share` is LocalMesh or
+    /// LocalWorld; the query is an IntersectionQuery, ImpactQuery or ProximityQuery.
     ///
     /// With less output than pairs no rows are sent; Output::any_by_world is the same as Output::any. A moving mesh has
     /// its end positions in MeshView::end; codimensional edges and points are ignored. Parts are cached for the last

@@ -172,8 +172,8 @@ def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
             memory = "CUDA" if kind in _CUDA else _DEVICES.get(kind, "device")
             raise InvalidInput(f"{name} lie in {memory} memory, but are wanted in the host's: {_TO_HOST}")
     try:
-        speaks_dlpack_only = device is not None and not hasattr(array, "__array__")
-        result = np.from_dlpack(array) if speaks_dlpack_only else np.asanyarray(array)
+        has_dlpack_only = device is not None and not hasattr(array, "__array__")
+        result = np.from_dlpack(array) if has_dlpack_only else np.asanyarray(array)
     except MemoryError as error:
         why = str(error) or "the machine has no memory left"
         raise MemoryError(f"{name} cannot be read as an array: {why}") from error

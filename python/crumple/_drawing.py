@@ -19,7 +19,7 @@ COLLIDING = ((213, 94, 0), (213, 94, 0))
 CONTACT = (20, 20, 20)
 
 
-class Painted(NamedTuple):
+class PictureContents(NamedTuple):
     """Contents of a picture.
 
     Attributes
@@ -83,7 +83,7 @@ def _coloured(mesh: Mesh, hit: NDArray[np.bool_], side: int):
     return vertices, faces, palette[hit.astype(np.intp)]
 
 
-def _contact_lines(result: Painted):
+def _contact_lines(result: PictureContents):
     contacts = result.contacts
     if contacts is None or not len(contacts):
         return np.empty((0, 2, 3)), np.empty((0, 3))
@@ -100,7 +100,7 @@ def _contact_lines(result: Painted):
     ]
 
 
-def drawing_of(result: Painted) -> Drawing:
+def drawing_of(result: PictureContents) -> Drawing:
     """Returns the meshes of a result, with colliding triangles coloured, and its contacts. Copies all arrays."""
     vertices, faces, colours = _coloured(result.first, result.hit, 0)
     if result.second is not None:
@@ -119,7 +119,7 @@ def _in_front(actor: Any) -> None:
     mapper.SetRelativeCoincidentTopologyPointOffsetParameter(-300.0)
 
 
-def plotter(result: Painted, off_screen: bool | None) -> Any:
+def plotter(result: PictureContents, off_screen: bool | None) -> Any:
     """Returns a pyvista.Plotter of the result. Raises ModuleNotFoundError that names the package to install."""
     try:
         import pyvista
@@ -142,7 +142,7 @@ def plotter(result: Painted, off_screen: bool | None) -> Any:
     return scene
 
 
-def image(result: Painted, **options: Any) -> Any:
+def image(result: PictureContents, **options: Any) -> Any:
     """Returns a PIL.Image of the result, without opening a window."""
     scene = plotter(result, off_screen=True)
     try:

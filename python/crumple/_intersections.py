@@ -14,7 +14,7 @@ from ._results import Contacts, Result, bools, extension_of, file_name, float64,
 from ._world import World
 
 if TYPE_CHECKING:
-    from ._drawing import Painted
+    from ._drawing import PictureContents
 
 _PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".bmp": "BMP", ".tif": "TIFF", ".tiff": "TIFF"}
 _PAIR_FILES = {".txt", ".csv", ".json", ".npz"}
@@ -278,13 +278,13 @@ class Intersections(Result):
         """Returns the result of the extension module. Unpickled objects have one, too."""
         return self._found
 
-    def _painted(self) -> Painted:
-        from ._drawing import Painted
+    def _painted(self) -> PictureContents:
+        from ._drawing import PictureContents
 
         if not self._of_world:
             self._check("pairs")
             first, second = self._meshes()
-            return Painted(first, self.hit, self.contacts, second, self.hit_second)
+            return PictureContents(first, self.hit, self.contacts, second, self.hit_second)
         import numpy as np
 
         world, poses = self._scene
@@ -293,10 +293,10 @@ class Intersections(Result):
         if self._request.output == "body_pairs":
             collides = np.zeros(len(world), np.bool_)
             collides[self.bodies.ravel()] = True
-            return Painted(world._mesh_at(poses), np.repeat(collides, sizes), None)
+            return PictureContents(world._mesh_at(poses), np.repeat(collides, sizes), None)
         hit = np.zeros(first[-1], np.bool_)
         hit[(first[self.bodies] + self._found.pairs).ravel()] = True
-        return Painted(world._mesh_at(poses), hit, self.contacts)
+        return PictureContents(world._mesh_at(poses), hit, self.contacts)
 
     def __repr__(self) -> str:
         output, s = self._request.output, self.statistics

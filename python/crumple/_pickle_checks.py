@@ -282,10 +282,10 @@ class _CheckIntersections(_Check):
 
     def _containment(self) -> None:
         found, request = self._found, self._request
-        asked = "containment" in request.options
-        rows = len(found.bodies) if asked and request.output == "body_pairs" else 0
+        requested = "containment" in request.options
+        rows = len(found.bodies) if requested and request.output == "body_pairs" else 0
         self._that(len(found.inside) == rows, "inside")
-        self._that(asked or not len(found.skipped), "skipped")
+        self._that(requested or not len(found.skipped), "skipped")
         self._that((found.skipped >= 0).all() and (np.diff(found.skipped) > 0).all(), "skipped")
 
     def _world(self, least: int) -> None:

@@ -1,6 +1,6 @@
 """Classes of crumple.mpi: local meshes and worlds that each rank provides, and results.
 
-They are MeshShare and WorldShare, and Intersections, Impacts and Proximities.
+They are LocalMesh and LocalWorld, and Intersections, Impacts and Proximities.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ._results import Request, Result, int32
 from ._world import World
 
 
-class MeshShare:
+class LocalMesh:
     """Local mesh of a rank (MPI process): some triangles of the scene, with all of their vertices.
 
     Parameters
@@ -44,7 +44,7 @@ class MeshShare:
         return _mpi.Share(ranks, mesh, self.triangle_ids, self.vertex_ids)
 
 
-class WorldShare:
+class LocalWorld:
     """Local bodies of a rank (MPI process). All ranks share one world, so all bodies are in world 0.
 
     Parameters
@@ -69,19 +69,19 @@ class WorldShare:
         return self.world
 
     def _borrow(self, _: _mpi.Detector, world: World) -> Any:
-        return _mpi.WorldShare(world, self.body_ids)
+        return _mpi.LocalWorld(world, self.body_ids)
 
 
-def share_of(scene: Any, triangle_ids: Any, vertex_ids: Any, body_ids: Any) -> MeshShare | WorldShare:
+def share_of(scene: Any, triangle_ids: Any, vertex_ids: Any, body_ids: Any) -> LocalMesh | LocalWorld:
     if isinstance(scene, World):
         if triangle_ids is not None or vertex_ids is not None:
             raise InvalidType("triangle_ids and vertex_ids are for meshes, but the scene is a crumple.World")
-        return WorldShare(scene, body_ids)
+        return LocalWorld(scene, body_ids)
     if body_ids is not None:
         raise InvalidType("body_ids are for a crumple.World, but the scene is a mesh")
     if not isinstance(scene, Mesh):
         raise InvalidType(f"each rank brings one mesh or a crumple.World, not {type(scene).__name__}")
-    return MeshShare(scene, triangle_ids, vertex_ids)
+    return LocalMesh(scene, triangle_ids, vertex_ids)
 
 
 def excluded_of_ranks(pairs: Any) -> Any:
@@ -184,7 +184,7 @@ class Proximities(_Features, _features.Proximities):
     """Local rows of near pairs: those whose first feature belongs to this rank, in order."""
 
 
-for _public in (MeshShare, WorldShare, Intersections, Impacts, Proximities):
+for _public in (LocalMesh, LocalWorld, Intersections, Impacts, Proximities):
     _public.__module__ = "crumple.mpi"
 _RESULTS = {"intersections": Intersections, "impacts": Impacts, "proximities": Proximities}
 

@@ -58,13 +58,13 @@ except ModuleNotFoundError as error:
     raise ImportError(f"crumple.mpi needs mpi4py: {error}") from error
 
 from . import _mpi  # imported after mpi4py, which decides how MPI is loaded
-from ._ranks import Impacts, Intersections, MeshShare, Proximities, WorldShare, excluded_of_ranks, share_of, show
+from ._ranks import Impacts, Intersections, LocalMesh, Proximities, LocalWorld, excluded_of_ranks, share_of, show
 
 Statistics = _mpi.Statistics
 Returned = TypeVar("Returned")
 Method = TypeVar("Method", bound=Callable[..., Any])
 
-__all__ = ["Detector", "Impacts", "Intersections", "MeshShare", "Proximities", "Statistics", "WorldShare"]
+__all__ = ["Detector", "Impacts", "Intersections", "LocalMesh", "LocalWorld", "Proximities", "Statistics"]
 
 
 def _check_library() -> None:
@@ -135,7 +135,7 @@ class Detector:
     parts : int, default 0
         Number of parts over all ranks, 1 to 262144; 0: chosen from the number of ranks. More parts balance the load
         better, but overlap more.
-    round_bytes : int, default 67108864
+    batch_bytes : int, default 67108864
         Approximate number of bytes that a rank sends, and that it receives, in one batch of messages; at least 1024.
     threads : int, default 0
         Number of threads of this rank; 0: the cores that the rank may use, divided by the number of ranks that share
@@ -161,7 +161,7 @@ class Detector:
     coordinates is sent.
 
     All calls are collective, including those that make and close a detector: all ranks of the communicator make the
-    same calls, in the same order, with the same query, and with the same `parts` and `round_bytes`. Properties are not
+    same calls, in the same order, with the same query, and with the same `parts` and `batch_bytes`. Properties are not
     collective. A detector runs one call at a time. Calls release the GIL.
 
     If a call fails on one rank, all ranks raise the same Error. Its `rank` is the rank that failed, and its `index`
@@ -186,7 +186,7 @@ class Detector:
         comm: MPI.Intracomm,
         *,
         parts: int = 0,
-        round_bytes: int = 1 << 26,
+        batch_bytes: int = 1 << 26,
         backend: Backend = "automatic",
         threads: int = 0,
         memory_limit: int = 0,
@@ -214,10 +214,10 @@ class Detector:
             raise InvalidInput(f"comm must be an intracommunicator of mpi4py, not {what}", element="option")
         if not MPI.Is_initialized() or MPI.Is_finalized():
             raise Error("MPI is not initialised: call MPI.Init() before", code="communication")
-        options = _together(comm, lambda: _mpi.Options(of_each, parts, round_bytes))
+        options = _together(comm, lambda: _mpi.Options(of_each, parts, batch_bytes))
         self._ranks: _mpi.Detector | None = _mpi.Detector(MPI._handleof(comm), options)
         of_each["threads"], of_each["device"] = self._ranks.threads, self._ranks.device
-        self._options = {"parts": parts, "round_bytes": round_bytes, **of_each}
+        self._options = {"parts": parts, "batch_bytes": batch_bytes, **of_each}
 
     @property
     def options(self) -> dict[str, Any]:
@@ -240,12 +240,12 @@ class Detector:
         return self._open().statistics
 
     @_in_call
-    def find(self, share: MeshShare | WorldShare, query: Query = _ALL) -> Any:
+    def find(self, share: LocalMesh | LocalWorld, query: Query = _ALL) -> Any:
         """Finds everything that a query describes. Collective.
 
         Parameters
         ----------
-        share : MeshShare or WorldShare
+        share : LocalMesh or LocalWorld
             Local mesh or bodies of this rank.
         query : IntersectionQuery, ImpactQuery or ProximityQuery, default IntersectionQuery()
             The same on all ranks.
@@ -282,7 +282,7 @@ class Detector:
         return self._find(lambda: share, lambda: query)
 
     @_in_call
-    def any(self, share: MeshShare | WorldShare, query: Query = _ALL) -> bool:
+    def any(self, share: LocalMesh | LocalWorld, query: Query = _ALL) -> bool:
         """True if `find` would find anything on any rank. Each rank stops at its first pair. Collective.
 
         Parameters
@@ -321,9 +321,9 @@ class Detector:
         vertices, faces, groups : array_like, or mesh or World alone
             Local mesh or bodies of this rank, as for crumple.Detector.intersections.
         triangle_ids, vertex_ids : array_like of int64, optional
-            As for MeshShare.
+            As for LocalMesh.
         body_ids : array_like of int64, optional
-            As for WorldShare.
+            As for LocalWorld.
         **options
             Members of the IntersectionQuery.
 
@@ -484,9 +484,9 @@ class Detector:
         ranks = self._open()
         try:
             brought, request = share(), query()
-            if not isinstance(brought, (MeshShare, WorldShare)):
+            if not isinstance(brought, (LocalMesh, LocalWorld)):
                 kind = name_of_type(type(brought))
-                raise InvalidType(f"share must be a MeshShare or a WorldShare, not {kind}", element="option")
+                raise InvalidType(f"share must be a LocalMesh or a LocalWorld, not {kind}", element="option")
             scene: Any = brought._scene()
             request = checked_query(scene, request)
             if not isinstance(request, (IntersectionQuery, ImpactQuery, ProximityQuery)):
@@ -498,7 +498,7 @@ class Detector:
         except BaseException as error:
             ranks.fail(error)  # notifies the other ranks; if `error` is a crumple.Error, all ranks raise it
             raise
-        return getattr(ranks, call)(*arguments), request, isinstance(brought, WorldShare)
+        return getattr(ranks, call)(*arguments), request, isinstance(brought, LocalWorld)
 
 
 def _together(comm: MPI.Intracomm, work: Callable[[], Returned]) -> Returned:

@@ -42,7 +42,7 @@ struct Call {
 
 // Returns a NumPy array that owns a copy of the values, of shape (n,) or, with one number of `columns`, (n, columns).
 template <class Number, class Value, class... Columns>
-nb::object give(const Array<Value>& values, Columns... columns) {
+nb::object to_numpy(const Array<Value>& values, Columns... columns) {
     import_numpy();
     const auto given = new std::vector<Number>(values.begin(), values.end());
     const nb::capsule owner(given, [](void* p) noexcept { delete static_cast<std::vector<Number>*>(p); });
@@ -57,14 +57,15 @@ nb::object tuple_of_step(const FreeStep& step, const Scene& scene) {
     const bool single = mesh && mesh->vertices.type == ScalarType::float32 && mesh->end.type == ScalarType::float32;
     const nb::object none = nb::none();
     return nb::make_tuple(
-        step.share, single ? give<float>(step.positions, 3u) : give<double>(step.positions, 3u), tuple_of(step.first),
+        step.share, single ? to_numpy<float>(step.positions, 3u) : to_numpy<double>(step.positions, 3u),
+        tuple_of(step.first),
         step.intersects ? nb::object(nb::make_tuple(step.intersecting.a, step.intersecting.b)) : none,
         step.intersects && !mesh
             ? nb::object(nb::make_tuple(step.intersecting_bodies.first, step.intersecting_bodies.second))
             : none,
-        step.vertex_shares.empty() ? none : give<double>(step.vertex_shares),
-        step.body_shares.empty() ? none : give<double>(step.body_shares),
-        step.first_vertex.empty() ? none : give<std::int64_t>(step.first_vertex));
+        step.vertex_shares.empty() ? none : to_numpy<double>(step.vertex_shares),
+        step.body_shares.empty() ? none : to_numpy<double>(step.body_shares),
+        step.first_vertex.empty() ? none : to_numpy<std::int64_t>(step.first_vertex));
 }
 
 template <class Query>

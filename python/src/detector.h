@@ -92,9 +92,9 @@ class SharedDetector {
     /// Returns storage for a result. Reuses the storage of one of the last two results, if Python no longer uses that
     /// result. So a simulation whose frames replace each other's results alternates between two and allocates nothing.
     /// Under a memory limit, storage is never reused. Call with the GIL, which also guards the release of results.
-    template <class Answer>
-    std::shared_ptr<Answer> storage() {
-        return std::get<Two<Answer>>(results_).get(options().memory_limit > 0);
+    template <class Result>
+    std::shared_ptr<Result> storage() {
+        return std::get<Two<Result>>(results_).get(options().memory_limit > 0);
     }
     /// Return buffers for poses that cannot be read in place. Use them only while a Turn exists.
     std::vector<Pose>& poses() { return poses_; }
@@ -111,18 +111,18 @@ class SharedDetector {
 
    private:
     /// Storage of the last two results, for reuse.
-    template <class Answer>
+    template <class Result>
     class Two {
        public:
-        std::shared_ptr<Answer> get(bool limited) {
-            if (limited) return std::make_shared<Answer>();
+        std::shared_ptr<Result> get(bool limited) {
+            if (limited) return std::make_shared<Result>();
             if (last_.use_count() != 1) std::swap(last_, before_);
-            if (last_.use_count() != 1) last_ = std::make_shared<Answer>();
+            if (last_.use_count() != 1) last_ = std::make_shared<Result>();
             return last_;
         }
 
        private:
-        std::shared_ptr<Answer> last_, before_;
+        std::shared_ptr<Result> last_, before_;
     };
 
     void wait_for_another_call();

@@ -26,7 +26,7 @@ VertexView view_of(const Rows& rows) { return rows_of_three(rows.data(), static_
 
 // Returns a NumPy array that owns the values, which are moved, not copied.
 template <class Number, class Element, class... Columns>
-nb::object give(Array<Element> array, Columns... columns) {
+nb::object to_numpy(Array<Element> array, Columns... columns) {
     import_numpy();
     const auto given = new Array<Element>(std::move(array));
     const nb::capsule owner(given, [](void* p) noexcept { delete static_cast<Array<Element>*>(p); });
@@ -41,16 +41,17 @@ nb::tuple impacts(nb::handle kind, const Rows& start, const Rows& end, nb::handl
     const PairImpactQuery query{real("min_distance", min_distance), real("min_distance_share", min_distance_share),
                                 integer<int>("threads", threads), flag("approaching_only", approaching_only)};
     PairImpacts answer = without_gil([&] { return pair_impacts(of, view_of(start), view_of(end), query); });
-    return nb::make_tuple(give<bool>(std::move(answer.hit)), give<double>(std::move(answer.toi)),
-                          give<bool>(std::move(answer.start)));
+    return nb::make_tuple(to_numpy<bool>(std::move(answer.hit)), to_numpy<double>(std::move(answer.toi)),
+                          to_numpy<bool>(std::move(answer.start)));
 }
 
 nb::tuple distances(nb::handle kind, const Rows& points, nb::handle threads) {
     const FeatureKind of = named(feature_kind_names, "kind", kind);
     const int wanted = integer<int>("threads", threads);
     PairDistances answer = without_gil([&] { return pair_distances(of, view_of(points), wanted); });
-    return nb::make_tuple(give<double>(std::move(answer.squared_distance)), give<bool>(std::move(answer.touching)),
-                          give<std::uint8_t>(std::move(answer.type)), give<double>(std::move(answer.at), 2u));
+    return nb::make_tuple(to_numpy<double>(std::move(answer.squared_distance)),
+                          to_numpy<bool>(std::move(answer.touching)), to_numpy<std::uint8_t>(std::move(answer.type)),
+                          to_numpy<double>(std::move(answer.at), 2u));
 }
 
 using Poses = nb::ndarray<const double, nb::shape<-1, 3, 4>, nb::c_contig, nb::device::cpu>;

@@ -32,7 +32,7 @@ namespace crumple::python {
 
 using Path = std::filesystem::path;
 
-nb::tuple give(io::TriangleMesh&& mesh) {
+nb::tuple to_numpy(io::TriangleMesh&& mesh) {
     import_numpy();
     const auto shared = new io::TriangleMesh(std::move(mesh));
     const nb::capsule owner(shared, [](void* p) noexcept { delete static_cast<io::TriangleMesh*>(p); });
@@ -134,7 +134,7 @@ struct CopiedMeshes {
 
 }  // namespace
 
-nb::object shown(const std::string& text) {
+nb::object to_str(const std::string& text) {
     return nb::steal(PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "backslashreplace"));
 }
 
@@ -232,9 +232,9 @@ void bind_files(nb::module_& module) {
                 mesh = io::read_mesh(from, options);
             }
             nb::list warnings;
-            for (const std::string& warning : mesh.warnings) warnings.append(shown(warning));
+            for (const std::string& warning : mesh.warnings) warnings.append(to_str(warning));
             const nb::object of = name_of_unit(mesh.unit);
-            return nb::make_tuple(give(std::move(mesh)), warnings, of);
+            return nb::make_tuple(to_numpy(std::move(mesh)), warnings, of);
         },
         "path"_a.none(), "precision"_a.none(), "weld"_a.none(), "group_property"_a.none(), "triangulation"_a.none(),
         "strict"_a.none(), "unit"_a.none());
@@ -319,7 +319,7 @@ void bind_files(nb::module_& module) {
                     handle_signals();
                 });
             }
-            return give(std::move(mesh));
+            return to_numpy(std::move(mesh));
         },
         "name"_a.none(), "triangles"_a.none(), "frame"_a.none(), "seed"_a.none());
     module.def("scenes", [] {

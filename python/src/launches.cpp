@@ -93,7 +93,7 @@ nb::object dlpack_capsule(nb::handle detector, std::uintptr_t address, const nb:
 
 // Returns (complete, rows needed, count, any, first) of a result; `first` is None except for impacts.
 template <class Result>
-nb::tuple told(const Result& found, std::int64_t needed, bool any, nb::object first = nb::none()) {
+nb::tuple summary_tuple(const Result& found, std::int64_t needed, bool any, nb::object first = nb::none()) {
     return nb::make_tuple(found.complete, needed, found.count, any, first);
 }
 
@@ -115,7 +115,7 @@ nb::tuple put(const DeviceIntersections& found, DeviceArrays& there) {
         there.put<std::int64_t>("contact_offsets", found.contact_offsets, n + 1);
         there.put<double>("contact_points", found.contact_points, found.contact_point_count, 3);
     }
-    return told(found, found.pairs_needed, found.any);
+    return summary_tuple(found, found.pairs_needed, found.any);
 }
 
 void put_list(const std::string& name, const DeviceImpactList& list, DeviceArrays& there) {
@@ -145,16 +145,16 @@ std::string_view feature_name(std::size_t k) { return feature_kind_name(static_c
 
 nb::tuple put(const DeviceImpacts& found, DeviceArrays& there) {
     put_features(found, feature_name, there);
-    return told(found, found.rows_needed, found.any, tuple_of(found.first));
+    return summary_tuple(found, found.rows_needed, found.any, tuple_of(found.first));
 }
 nb::tuple put(const DeviceProximities& found, DeviceArrays& there) {
     put_features(found, feature_name, there);
-    return told(found, found.rows_needed, found.any);
+    return summary_tuple(found, found.rows_needed, found.any);
 }
 nb::tuple put(const DeviceCandidates& found, DeviceArrays& there) {
     put_features(
         found, [](std::size_t k) { return candidate_kind_name(static_cast<CandidateKind>(k)); }, there);
-    return told(found, found.rows_needed, found.count > 0);
+    return summary_tuple(found, found.rows_needed, found.count > 0);
 }
 
 // Waits for a launch of the detector `of`. Returns (numbers and flags of the result, its arrays by name, statistics).

@@ -21,7 +21,7 @@ NB_MODULE(_core, module) {
     module.attr("__version__") = CRUMPLE_VERSION;
     nanobind::set_leak_warnings(false);  // daemon threads may hold objects at exit
     crumple::python::WithoutGil::watch_exit();
-    crumple::python::remember_main_thread();
+    crumple::python::set_main_thread();
     crumple::python::translate_errors();
     crumple::python::bind_results(module);
     crumple::python::bind_pickling(module);

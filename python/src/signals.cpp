@@ -11,7 +11,7 @@ unsigned long main_thread = 0;
 
 }  // namespace
 
-void remember_main_thread() {
+void set_main_thread() {
     main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
 }
 

@@ -5,7 +5,7 @@
 namespace crumple::python {
 
 /// Stores the id of Python's main thread. Call once, when the module is initialised.
-void remember_main_thread();
+void set_main_thread();
 
 /// Runs Python's signal handlers if called in the main thread, else returns at once. Call with or without the GIL.
 /// Throws the exceptions of handlers.

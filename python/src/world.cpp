@@ -39,7 +39,8 @@ void construct(nb::handle self, const char* type, Arguments&&... arguments) {
 
 // Checks the shape of poses and returns a view for the world to keep. Each search borrows the array again, on its own
 // stream.
-BorrowedPoses looked_at(nb::handle poses, const Bodies& bodies, BorrowedPoses::When when = BorrowedPoses::When::start) {
+BorrowedPoses borrow_shape_only(nb::handle poses, const Bodies& bodies,
+                                BorrowedPoses::When when = BorrowedPoses::When::start) {
     return {poses, bodies, when, no_stream()};
 }
 
@@ -65,7 +66,8 @@ void make_world(nb::handle self, const nb::list& shapes, const Column<std::int32
     made->moving = static_cast<std::int64_t>(n);
     made->bodies.reserve(n);
     for (std::size_t b = 0; b < n; ++b) made->bodies.push_back({shape_of(b), groups(b), worlds(b), has_self_pairs(b)});
-    BorrowedPoses given = looked_at(poses, *made), at_end = looked_at(end_poses, *made, BorrowedPoses::When::end);
+    BorrowedPoses given = borrow_shape_only(poses, *made),
+                  at_end = borrow_shape_only(end_poses, *made, BorrowedPoses::When::end);
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
@@ -98,7 +100,8 @@ void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb:
         made->static_poses.resize(static_cast<std::size_t>(rest));
     else
         made->static_poses.assign(known.begin() + made->moving, known.end());
-    BorrowedPoses given = looked_at(poses, *made), at_end = looked_at(end_poses, *made, BorrowedPoses::When::end);
+    BorrowedPoses given = borrow_shape_only(poses, *made),
+                  at_end = borrow_shape_only(end_poses, *made, BorrowedPoses::When::end);
     construct<BorrowedWorld>(self, "crumple.World", made, std::move(given), std::move(at_end));
 }
 
@@ -106,7 +109,8 @@ void make_configurations(nb::handle self, nb::handle of, std::int64_t count, nb:
 void make_posed(nb::handle self, nb::handle of, nb::handle poses, nb::handle end_poses) {
     if (!nb::isinstance<BorrowedWorld>(self)) refuse_type("self", "a crumple.World", self);
     const std::shared_ptr<const Bodies> bodies = given_world(of).bodies;
-    BorrowedPoses given = looked_at(poses, *bodies), at_end = looked_at(end_poses, *bodies, BorrowedPoses::When::end);
+    BorrowedPoses given = borrow_shape_only(poses, *bodies),
+                  at_end = borrow_shape_only(end_poses, *bodies, BorrowedPoses::When::end);
     construct<BorrowedWorld>(self, "crumple.World", bodies, std::move(given), std::move(at_end));
 }
 
@@ -164,7 +168,7 @@ BorrowedPoses::BorrowedPoses(nb::handle poses, const Bodies& bodies, When when, 
     std::string shape;
     for (int i = 0; i < array_.dimensions; ++i)
         shape += (i ? ", " : "(") + std::to_string(array_.shape[static_cast<std::size_t>(i)]);
-    const bool configured = bodies.configurations != 1 || bodies.at_rest() > 0;
+    const bool configured = bodies.configurations != 1 || bodies.static_count() > 0;
     refuse(std::string(which) + "poses must have shape (" + (configured ? k + ", " + n : n) + ", 3, 4) or (" +
            (configured ? k + ", " + n : n) + ", 4, 4), one for each body, not " + shape + ")");
 }
@@ -175,14 +179,14 @@ std::span<const Pose> BorrowedPoses::read(const Bodies& bodies, std::vector<Pose
         refuse(std::string(when_ == When::end ? "end_" : "") +
                "poses lie in CUDA memory, where a detector of the cuda backend reads them, and nothing else: " +
                copy_to_host);
-    if (!object_ && bodies.at_rest() == 0) return {};
+    if (!object_ && bodies.static_count() == 0) return {};
     if (!object_) {
         buffer.resize(static_cast<std::size_t>(bodies.posed()));
     } else {
         const bool as_they_lie = array_.number == BorrowedArray::Number::float64 && is_contiguous(array_) &&
                                  array_.shape[static_cast<std::size_t>(array_.dimensions) - 2] == 3 &&
                                  reinterpret_cast<std::uintptr_t>(array_.data) % alignof(Pose) == 0;
-        if (as_they_lie && bodies.at_rest() == 0)
+        if (as_they_lie && bodies.static_count() == 0)
             return {static_cast<const Pose*>(array_.data), static_cast<std::size_t>(bodies.posed())};
         if (as_they_lie) {
             const auto* poses = static_cast<const Pose*>(array_.data);
@@ -197,7 +201,7 @@ std::span<const Pose> BorrowedPoses::read(const Bodies& bodies, std::vector<Pose
 }
 
 DevicePoses BorrowedPoses::on_device(const Bodies& bodies) const {
-    if (bodies.at_rest() > 0)
+    if (bodies.static_count() > 0)
         refuse(std::string("poses of configurations in CUDA memory are taken where no body is at rest (-1): ") +
                copy_to_host);
     return array_.number == BorrowedArray::Number::float32
@@ -260,7 +264,7 @@ using When = BorrowedPoses::When;
 // Replaces the poses of a world. Releases the old poses last, because that may run Python code.
 void place(nb::handle self, BorrowedPoses BorrowedWorld::*member, nb::handle poses, When when) {
     BorrowedWorld& world = given_world(self);
-    BorrowedPoses given = looked_at(poses, *world.bodies, when);
+    BorrowedPoses given = borrow_shape_only(poses, *world.bodies, when);
     std::swap(world.*member, given);
 }
 

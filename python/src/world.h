@@ -40,10 +40,10 @@ struct Bodies {
     std::vector<Pose> static_poses;  ///< poses of the static bodies of a world of configurations
 
     std::int64_t posed() const { return configurations * moving; }
-    std::int64_t at_rest() const { return static_cast<std::int64_t>(bodies.size()) - posed(); }
+    std::int64_t static_count() const { return static_cast<std::int64_t>(bodies.size()) - posed(); }
     /// Returns the number of moving bodies of one configuration plus the number of static bodies. Excluded pairs use
     /// these indices.
-    std::int64_t distinct() const { return moving + at_rest(); }
+    std::int64_t distinct() const { return moving + static_count(); }
 };
 
 /// View of an array of poses of shape (n, 3, 4) or (n, 4, 4), or (k, n, 3, 4) or (k, n, 4, 4) for k configurations. May

@@ -6,10 +6,10 @@ import time
 
 import numpy as np
 from mpi4py import MPI
-from mpi_shares import (
+from mpi_local_meshes import (
     COMM,
     ONE,
-    LocalMesh,
+    RankMesh,
     bodies_by_turns,
     check_features,
     check_rows,
@@ -39,11 +39,11 @@ def bodies_are_refused_together():
                 ("output must be one of", world, body_ids, dict(output="some")),
                 ("do not read a shape's list of edges or points", listed, body_ids, {}),
             ):
-                share = crumple.mpi.WorldShare(brought, ids) if failed else local
+                share = crumple.mpi.LocalWorld(brought, ids) if failed else local
                 error = error_of(detector.find, share, crumple.IntersectionQuery(**(members if failed else {})))
                 assert error.rank == failing and message in str(error), error
             for message, share, query in (
-                ("share must be a MeshShare or a WorldShare, not crumple.", world, crumple.IntersectionQuery()),
+                ("share must be a LocalMesh or a LocalWorld, not crumple.", world, crumple.IntersectionQuery()),
                 ("query must be one of crumple's, such as", local, "intersections"),
                 ("CandidateQuery is not supported on ranks", local, crumple.CandidateQuery()),
             ):
@@ -70,7 +70,7 @@ def excluding(bodies):
 
 def features_are_refused_together():
     mesh = soup(60, size=0.4)
-    local = LocalMesh(mesh, round_robin(mesh))
+    local = RankMesh(mesh, round_robin(mesh))
     vertices, faces, _ = local.mesh
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
@@ -110,7 +110,7 @@ def features_are_refused_together():
 
 def a_misspelt_argument_ends_the_call_on_all_ranks():
     mesh = soup(60, size=0.4)
-    local = LocalMesh(mesh, round_robin(mesh))
+    local = RankMesh(mesh, round_robin(mesh))
     ids = local.ids
 
     def check(failing, call, *given, known, unknown, message):
@@ -143,12 +143,12 @@ def a_misspelt_argument_ends_the_call_on_all_ranks():
 
 def ranks_fail_together_and_go_on():
     mesh = soup(60, size=0.4)
-    local = LocalMesh(mesh, round_robin(mesh))
+    local = RankMesh(mesh, round_robin(mesh))
     expected = crumple.Detector(**ONE).intersections(mesh)
 
     def any_of(detector, vertices, faces, triangle_ids, vertex_ids, **members):
         brought = vertices if faces is None else (vertices, faces)
-        share = crumple.mpi.MeshShare(brought, triangle_ids, vertex_ids)
+        share = crumple.mpi.LocalMesh(brought, triangle_ids, vertex_ids)
         return detector.any(share, crumple.IntersectionQuery(**members))
 
     def differing(rank, **changed):
@@ -236,7 +236,7 @@ def check_alarm(call, failing):
 
 def a_signal_ends_the_call_on_all_ranks():
     mesh = soup(60, size=0.4)
-    local = LocalMesh(mesh, round_robin(mesh))
+    local = RankMesh(mesh, round_robin(mesh))
     signal.signal(signal.SIGALRM, ring)
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
@@ -278,7 +278,7 @@ def a_signal_is_seen_within_a_search():
 
 def what_shows_progress_may_end_the_call():
     mesh = soup(60, size=0.4)
-    local = LocalMesh(mesh, round_robin(mesh))
+    local = RankMesh(mesh, round_robin(mesh))
     expected = crumple.Detector(**ONE).intersections(mesh)
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
@@ -296,7 +296,7 @@ def what_shows_progress_may_end_the_call():
 
 def one_call_at_a_time():
     mesh = soup(60, size=0.4)
-    local = LocalMesh(mesh, round_robin(mesh))
+    local = RankMesh(mesh, round_robin(mesh))
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         if COMM.rank == 0:
             results = []
@@ -318,7 +318,7 @@ def a_closed_detector_says_so():
     detector = crumple.mpi.Detector(COMM, parts=3, **ONE)
     assert (detector.rank, detector.ranks) == (COMM.rank, COMM.size)
     assert detector.options["threads"] == 1 and detector.options["parts"] == 3
-    assert repr(detector).startswith("crumple.mpi.Detector(parts=3, round_bytes=67108864, backend='cpu', threads=1")
+    assert repr(detector).startswith("crumple.mpi.Detector(parts=3, batch_bytes=67108864, backend='cpu', threads=1")
     result = detector.intersections(soup(30, size=0.5))
     assert repr(result).startswith(f"<crumple.mpi.Intersections: {len(result)} colliding pairs here, {result.count} ov")
     detector.close()

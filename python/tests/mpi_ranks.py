@@ -8,10 +8,10 @@ import os
 from dataclasses import replace
 
 import numpy as np
-from mpi_shares import (
+from mpi_local_meshes import (
     COMM,
     ONE,
-    LocalMesh,
+    RankMesh,
     all_on_the_last,
     blocks,
     bodies_by_turns,
@@ -46,8 +46,8 @@ def the_result_is_that_of_one_detector():
     for mesh, members in queries:
         expected = crumple.Detector(**ONE).intersections(mesh, **members)
         for distribution in (round_robin, blocks, all_on_the_last):
-            local = LocalMesh(mesh, distribution(mesh))
-            for options in ({}, dict(parts=7, round_bytes=1024)):
+            local = RankMesh(mesh, distribution(mesh))
+            for options in ({}, dict(parts=7, batch_bytes=1024)):
                 with crumple.mpi.Detector(COMM, **ONE, **options) as detector:
                     check_rows(detector.intersections(local.mesh, **local.ids, **members), local, expected)
                     query = crumple.IntersectionQuery(**members)
@@ -71,7 +71,7 @@ def motion_is_that_of_one_detector():
     for mesh, end, members in queries:
         expected = crumple.Detector(**ONE).impacts(mesh, end, **members)
         for distribution in (round_robin, all_on_the_last):
-            local = LocalMesh(mesh.moving_to(end), distribution(mesh))
+            local = RankMesh(mesh.moving_to(end), distribution(mesh))
             vertices, faces, groups = local.mesh
             with crumple.mpi.Detector(COMM, **ONE) as detector:
                 found = detector.impacts(vertices, local.mesh.end, faces, groups=groups, **local.ids, **members)
@@ -100,7 +100,7 @@ def nearness_is_that_of_one_detector():
         expected = crumple.Detector(**ONE).proximities(mesh, **members)
         columns = ("squared_distance", "touching", *(("type", "at") if members.get("closest") else ()))
         for distribution in (round_robin, all_on_the_last):
-            local = LocalMesh(mesh, distribution(mesh))
+            local = RankMesh(mesh, distribution(mesh))
             with crumple.mpi.Detector(COMM, **ONE) as detector:
                 found = detector.proximities(local.mesh, **local.ids, **members)
                 check_features(found, local, expected, columns)
@@ -127,7 +127,7 @@ def on_device(array):
 
 def arrays_may_lie_on_a_device():
     mesh = grouped()
-    local = LocalMesh(mesh, round_robin(mesh))
+    local = RankMesh(mesh, round_robin(mesh))
     on_host = (local.mesh.vertices, local.mesh.faces, local.mesh.groups.astype(np.int32))
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for failing in range(COMM.size):
@@ -228,14 +228,14 @@ def moving_bodies_have_the_result_of_one_detector():
 
 def triangles_are_numbered_by_rank_without_ids():
     mesh = soup(90, size=0.4)
-    local = LocalMesh(mesh, blocks(mesh))
+    local = RankMesh(mesh, blocks(mesh))
     vertices, faces, _ = local.mesh
     expected = crumple.Detector(**ONE).intersections(mesh)
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         check_rows(detector.intersections(vertices, faces), local, expected)
         check_rows(detector.intersections((vertices, faces.ravel())), local, expected)
         check_rows(detector.intersections(vertices.tolist(), faces.tolist()), local, expected)
-        check_rows(detector.find(crumple.mpi.MeshShare((vertices, faces))), local, expected)
+        check_rows(detector.find(crumple.mpi.LocalMesh((vertices, faces))), local, expected)
 
 
 def frames_follow_one_another():
@@ -243,7 +243,7 @@ def frames_follow_one_another():
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for frame in range(60, 70):
             mesh = cloth(frame)
-            local = LocalMesh(mesh, round_robin(mesh))
+            local = RankMesh(mesh, round_robin(mesh))
             result = detector.intersections(local.mesh, output="contacts", **local.ids)
             held.append((result, local, crumple.Detector(**ONE).intersections(mesh, output="contacts")))
             assert result.statistics.moved == (frame > 60) == detector.statistics.moved
@@ -259,7 +259,7 @@ def frames_follow_one_another():
 def statistics_tell_what_was_done():
     mesh = cloth()
     with crumple.mpi.Detector(COMM, **ONE) as detector:
-        statistics = detector.find(LocalMesh(mesh, round_robin(mesh))).statistics
+        statistics = detector.find(RankMesh(mesh, round_robin(mesh))).statistics
         assert list(statistics.phase_milliseconds) == "query input ids place members room search rows output".split()
         assert 0 < sum(statistics.phase_milliseconds.values()) <= statistics.milliseconds * 1.01
         assert COMM.allreduce(statistics.members) >= len(mesh.faces)
@@ -271,7 +271,7 @@ def statistics_tell_what_was_done():
 
 def progress_is_shown():
     mesh = cloth()
-    local = LocalMesh(mesh, round_robin(mesh))
+    local = RankMesh(mesh, round_robin(mesh))
     with crumple.mpi.Detector(COMM, parts=6, **ONE) as detector:
         seen = []
         detector.set_progress(lambda *progress: seen.append(progress))
@@ -291,7 +291,7 @@ def progress_is_shown():
 def some_ranks_have_a_scene_of_their_own():
     half = COMM.Split(COMM.rank % 2)
     mesh = soup(60, size=0.4, seed=COMM.rank % 2)
-    local = LocalMesh(mesh, np.arange(60) % half.size, half.rank)
+    local = RankMesh(mesh, np.arange(60) % half.size, half.rank)
     with crumple.mpi.Detector(half, **ONE) as detector:
         assert (detector.rank, detector.ranks) == (half.rank, half.size)
         check_rows(detector.find(local), local, crumple.Detector(**ONE).intersections(mesh))

@@ -100,7 +100,7 @@ def test_options_are_those_of_a_detector():
         "import inspect, crumple.mpi\n"
         "one, many = (inspect.signature(d.__init__).parameters for d in (crumple.Detector, crumple.mpi.Detector))\n"
         "of_each = [name for name in one if name != 'devices']\n"  # each rank has one device
-        "assert list(many)[:4] == ['self', 'comm', 'parts', 'round_bytes'] and list(many)[4:] == of_each[1:]\n"
+        "assert list(many)[:4] == ['self', 'comm', 'parts', 'batch_bytes'] and list(many)[4:] == of_each[1:]\n"
         "assert all(many[name] == one[name] for name in of_each)\n"
         "for call in 'intersections', 'impacts', 'proximities':\n"
         "    one = inspect.signature(getattr(crumple.Detector, call)).parameters\n"

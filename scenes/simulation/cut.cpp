@@ -18,9 +18,9 @@ struct CutPoint {
     std::int32_t above = 0, below = 0;  // indices of the points on either side of the cut
 };
 
-class MeshCutter {
+class MeshSlicer {
    public:
-    MeshCutter(const Fabric& uncut, std::span<const Cut> cuts) : uncut_(uncut), cuts_(cuts) {}
+    MeshSlicer(const Fabric& uncut, std::span<const Cut> cuts) : uncut_(uncut), cuts_(cuts) {}
 
     CutFabric run() {
         find_crossings();
@@ -127,7 +127,7 @@ class MeshCutter {
 
 }  // namespace
 
-CutFabric cut(const Fabric& uncut, std::span<const Cut> cuts) { return MeshCutter(uncut, cuts).run(); }
+CutFabric cut(const Fabric& uncut, std::span<const Cut> cuts) { return MeshSlicer(uncut, cuts).run(); }
 
 void switch_fabric(ClothSolver& solver, const CutFabric& before, const CutFabric& after) {
     const std::vector<Vec3d> points = solver.points, velocities = solver.velocities;

@@ -42,11 +42,11 @@ MeshView NearContactFinder::view(std::span<const Vec3d> points) const {
 }
 
 std::span<const NearContact> NearContactFinder::find(std::span<const Vec3d> points, double radius) {
-    ProximityQuery question;
-    question.radius = radius;
-    question.closest = true;
-    question.filter = rules_;
-    const Proximities& near = detector_.find(view(points), question);
+    ProximityQuery query;
+    query.radius = radius;
+    query.closest = true;
+    query.filter = rules_;
+    const Proximities& near = detector_.find(view(points), query);
     contacts_.clear();
     const auto add = [&](const std::array<std::int32_t, 4>& of, const std::array<double, 4>& weights, bool touching) {
         if (touching) {
@@ -79,18 +79,18 @@ std::span<const NearContact> NearContactFinder::find(std::span<const Vec3d> poin
 
 NearContactFinder::FreePath NearContactFinder::shorten(std::span<const Vec3d> start, std::span<Vec3d> end,
                                                        std::span<const std::uint8_t> held) {
-    ImpactQuery question;
-    question.min_distance_share = least_distance;
-    question.filter = rules_;
+    ImpactQuery query;
+    query.min_distance_share = least_distance;
+    query.filter = rules_;
     const MeshView mesh = view(start);
     double toi = 1;
     for (int round = 0; round < iteration_limit; ++round) {
-        const Impacts& impacts = detector_.find(mesh.moving_to(view(end).vertices), question);
+        const Impacts& impacts = detector_.find(mesh.moving_to(view(end).vertices), query);
         if (!impacts.any) return {toi, 1};
         if (round == 0) toi = impacts.first.toi;
         hold_back(impacts, start, end, held);
     }
-    const FreeStep step = detector_.find(mesh.moving_to(view(end).vertices), FreeStepQuery{question});
+    const FreeStep step = detector_.find(mesh.moving_to(view(end).vertices), FreeStepQuery{query});
     for (std::size_t i = 0; i < end.size(); ++i) {
         end[i] = {step.positions[3 * i], step.positions[3 * i + 1], step.positions[3 * i + 2]};
     }

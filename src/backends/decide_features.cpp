@@ -34,7 +34,7 @@ FeatureDecision impact(FeatureKind kind, const FeaturePoints& p, const FeatureRe
 // Returns how many of the four vertices belong to the first feature.
 std::size_t split_of(FeatureKind kind) { return kind == FeatureKind::edge_edge ? 2 : 1; }
 
-Reach distance_limit_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
+DistanceLimit distance_limit_of(FeatureKind kind, const std::int32_t (&vertex)[4], const FeatureRequest& query) {
     return distance_limit_of(kind, vertex, query.radii.empty() ? nullptr : query.radii.data(), query.distance,
                              query.strict);
 }

@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "backends/device_shape.h"
-#include "queries/device_answer.h"
+#include "queries/device_result.h"
 #include "queries/feature_request.h"
 
 namespace crumple {

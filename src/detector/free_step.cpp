@@ -140,7 +140,7 @@ class Units {
         share_.assign(count, 1);
         earliest_.assign(count, 2);
         cuts_.assign(count, 0);
-        held_at_start_.assign(step.bodies(), 0);
+        blocked_at_start_.assign(step.bodies(), 0);
     }
 
     double share(std::size_t body, std::int64_t vertex) const { return share_[unit(body, vertex)]; }
@@ -184,12 +184,12 @@ class Units {
     /// worlds if both bodies are in all worlds.
     void hold_worlds_of(const BodyPair& bodies) {
         const auto first = static_cast<std::size_t>(bodies.first), second = static_cast<std::size_t>(bodies.second);
-        if (held_at_start_[first] || held_at_start_[second]) return;
+        if (blocked_at_start_[first] || blocked_at_start_[second]) return;
         const std::int32_t world = std::max(step_.world_of(first), step_.world_of(second));
         for (std::size_t b = 0; b < step_.bodies(); ++b) {
             const std::int32_t its = step_.world_of(b);
             if (world >= 0 && its != world && its >= 0) continue;
-            if (world < 0 || its == world) held_at_start_[b] = 1;
+            if (world < 0 || its == world) blocked_at_start_[b] = 1;
             for (std::int64_t v = step_.first_vertex()[b]; v < step_.first_vertex()[b + 1]; ++v) share_[unit(b, v)] = 0;
         }
     }
@@ -205,7 +205,7 @@ class Units {
     bool record_impacts(const FirstImpact& impact, const Impacts& found) {
         const auto first = static_cast<std::size_t>(impact.bodies.first);
         const auto second = static_cast<std::size_t>(impact.bodies.second);
-        if (!impact.found || held_at_start_[first] || held_at_start_[second]) return false;
+        if (!impact.found || blocked_at_start_[first] || blocked_at_start_[second]) return false;
         bool goes = false;
         const auto cut = [&](std::size_t u) {
             goes |= share_[u] > 0;
@@ -228,7 +228,7 @@ class Units {
     Held held_;
     std::vector<double> share_, earliest_;
     std::vector<std::size_t> cuts_;
-    std::vector<std::uint8_t> held_at_start_;  ///< by body: 1 if its world is held at the start
+    std::vector<std::uint8_t> blocked_at_start_;  ///< by body: 1 if its world is held at the start
 };
 
 /// True if bodies that are in all worlds can have impacts among themselves. Such an impact belongs to no world, so

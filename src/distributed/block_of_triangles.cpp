@@ -4,11 +4,11 @@
 
 namespace crumple::distribute {
 
-MeshShare TriangleBlock::take(const PreparedScene& scene) {
+LocalMesh TriangleBlock::take(const PreparedScene& scene) {
     if (!names_the_same(scene)) number(scene);
     gather(scene.reader[0], start_);
     if (scene.moving) gather(scene.end, end_);
-    MeshShare share;
+    LocalMesh share;
     share.mesh.vertices = view_of(start_);
     share.mesh.triangles = rows_of_three(corners_.data(), triangles_.size());
     if (scene.groups)

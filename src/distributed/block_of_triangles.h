@@ -22,7 +22,7 @@ class TriangleBlock {
 
     /// Returns the local mesh; valid until the next call. Copies the coordinates; renumbers the vertices if the scene's
     /// triangles have changed.
-    MeshShare take(const PreparedScene& scene);
+    LocalMesh take(const PreparedScene& scene);
     /// Returns the end positions of the local mesh, if the scene of the last take() moves.
     VertexView end() const { return view_of(end_); }
 

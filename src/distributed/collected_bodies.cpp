@@ -17,7 +17,7 @@ void make_unique(std::vector<BodyPair>& pairs) {
 
 }  // namespace
 
-void RankDetector::answer(const WorldShare& share, const PairFilter& rules, bool moving,
+void RankDetector::answer(const LocalWorld& share, const PairFilter& rules, bool moving,
                           FunctionRef<ComparedQuery()> ask, std::stop_token stop, FunctionRef<void()> work) {
     const auto outline = [&] {
         ComparedQuery asked = ask();
@@ -31,7 +31,7 @@ void RankDetector::answer(const WorldShare& share, const PairFilter& rules, bool
     answer(bodies_.share(), moving ? &bodies_.end() : nullptr, outline, prepare, std::move(stop), work);
 }
 
-const DistributedIntersections& RankDetector::find(const WorldShare& share, const IntersectionQuery& query,
+const DistributedIntersections& RankDetector::find(const LocalWorld& share, const IntersectionQuery& query,
                                                    std::stop_token stop) {
     result_ = {}, world_result_ = {};
     const auto work = [&] {
@@ -102,7 +102,7 @@ void RankDetector::search_body_pairs(const IntersectionQuery& query) {
     world_result_.any = add_up(static_cast<std::int64_t>(coming.size()), true) > 0;
 }
 
-const DistributedImpacts& RankDetector::find(const WorldShare& share, const ImpactQuery& query, std::stop_token stop) {
+const DistributedImpacts& RankDetector::find(const LocalWorld& share, const ImpactQuery& query, std::stop_token stop) {
     impacts_ = {};
     const auto work = [&] {
         ImpactQuery of_groups = query;
@@ -121,7 +121,7 @@ const DistributedImpacts& RankDetector::find(const WorldShare& share, const Impa
     return impacts_;
 }
 
-const DistributedProximities& RankDetector::find(const WorldShare& share, const ProximityQuery& query,
+const DistributedProximities& RankDetector::find(const LocalWorld& share, const ProximityQuery& query,
                                                  std::stop_token stop) {
     nearby_ = {};
     const auto work = [&] {

@@ -40,7 +40,7 @@ std::int64_t RankDetector::add_up(std::int64_t found, bool cut_short) {
     return all;
 }
 
-const DistributedIntersections& RankDetector::find(const MeshShare& share, const IntersectionQuery& query,
+const DistributedIntersections& RankDetector::find(const LocalMesh& share, const IntersectionQuery& query,
                                                    std::stop_token stop) {
     result_ = {};
     const RankOutput output = output_of(query);
@@ -92,7 +92,7 @@ void RankDetector::search_features(Each each, bool listed, bool cut_short, Resul
     result.any = on_any_rank(any);
 }
 
-const DistributedImpacts& RankDetector::find(const MeshShare& share, const ImpactQuery& query, std::stop_token stop) {
+const DistributedImpacts& RankDetector::find(const LocalMesh& share, const ImpactQuery& query, std::stop_token stop) {
     impacts_ = {};
     answer(
         share, &share.mesh.end, [&] { return request_of_ranks(query, false); }, [] {}, std::move(stop),
@@ -114,7 +114,7 @@ void RankDetector::search_impacts(const ImpactQuery& query) {
     if (!any) impacts_.first = first_of_all(first);
 }
 
-const DistributedProximities& RankDetector::find(const MeshShare& share, const ProximityQuery& query,
+const DistributedProximities& RankDetector::find(const LocalMesh& share, const ProximityQuery& query,
                                                  std::stop_token stop) {
     nearby_ = {};
     answer(

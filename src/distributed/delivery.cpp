@@ -24,7 +24,7 @@ void gather(const VertexReader& reader, std::span<const std::int32_t> vertices, 
 }  // namespace
 
 Delivery::Delivery(MessageBatches& batches, CollectiveCheck& agree, const Owners& owners, RankMembers& members,
-                   const LocalMesh& share, const GhostVertices& copies, std::vector<AssembledPart>& mine,
+                   const RankMesh& share, const GhostVertices& copies, std::vector<AssembledPart>& mine,
                    std::size_t depth)
     : rounds_(batches),
       check_(agree),

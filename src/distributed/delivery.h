@@ -13,9 +13,9 @@
 #include "distributed/by_part.h"
 #include "distributed/members.h"
 #include "distributed/part_placement.h"
-#include "distributed/share.h"
-#include "distributed/transport/agreement.h"
-#include "distributed/transport/rounds.h"
+#include "distributed/rank_mesh.h"
+#include "distributed/transport/collective_check.h"
+#include "distributed/transport/message_batches.h"
 
 namespace crumple::distribute {
 
@@ -23,7 +23,7 @@ class Delivery {
    public:
     /// `mine`: the parts that this rank owns, ascending.
     Delivery(MessageBatches& batches, CollectiveCheck& agree, const Owners& owners, RankMembers& members,
-             const LocalMesh& share, const GhostVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
+             const RankMesh& share, const GhostVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
 
     /// Contents of a delivery. `features`: includes features that triangles own. `moving`: includes end positions.
     struct What {
@@ -76,7 +76,7 @@ class Delivery {
     CollectiveCheck& check_;
     const Owners& owners_;
     RankMembers& members_;
-    const LocalMesh& share_;
+    const RankMesh& share_;
     const GhostVertices& copies_;
     std::vector<AssembledPart>& all_mine_;
     std::int64_t depth_;

@@ -220,7 +220,7 @@ bool Devices::any(const PreparedScene& scene, const IntersectionQuery& query) {
 // Runs find(rank, share) on each rank and merges the results. Returns the result of rank 0.
 template <class Find>
 const auto& Devices::find_on_devices(const PreparedScene& scene, FeatureResult& result, bool listed, Find find) {
-    using Found = std::remove_cvref_t<std::invoke_result_t<Find, Rank&, const MeshShare&>>;
+    using Found = std::remove_cvref_t<std::invoke_result_t<Find, Rank&, const LocalMesh&>>;
     std::vector<const Found*> found(options_.devices.size());
     on_each([&](Rank& rank) {
         found[static_cast<std::size_t>(rank.transport.rank())] = &find(rank, rank.block.take(scene));
@@ -239,8 +239,8 @@ void Devices::find(const PreparedScene& scene, const FeatureRequest& request, Fe
         const ImpactQuery query = motion_of(request);
         result.first = find_on_devices(
                            scene, result, listed,
-                           [&](Rank & rank, const MeshShare& share) -> auto& {
-                               MeshShare moving = share;
+                           [&](Rank & rank, const LocalMesh& share) -> auto& {
+                               LocalMesh moving = share;
                                moving.mesh.end = rank.block.end();
                                return rank.detector.find(moving, query);
                            })
@@ -249,7 +249,7 @@ void Devices::find(const PreparedScene& scene, const FeatureRequest& request, Fe
         const ProximityQuery query = near_of(request);
         find_on_devices(
             scene, result,
-            listed, [&](Rank & rank, const MeshShare& share) -> auto& { return rank.detector.find(share, query); });
+            listed, [&](Rank & rank, const LocalMesh& share) -> auto& { return rank.detector.find(share, query); });
     }
 }
 

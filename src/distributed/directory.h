@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "crumple/distributed.h"
-#include "distributed/share.h"
-#include "distributed/transport/agreement.h"
-#include "distributed/transport/rounds.h"
+#include "distributed/rank_mesh.h"
+#include "distributed/transport/collective_check.h"
+#include "distributed/transport/message_batches.h"
 
 namespace crumple::distribute {
 

@@ -62,7 +62,7 @@ void query_keepers(MessageBatches& batches, CollectiveCheck& agree, const std::v
 
 }  // namespace
 
-void FeatureOwners::learn(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share,
+void FeatureOwners::learn(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share,
                           const GhostVertices& copies) {
     known_ = false;
     agree(Phase::ids, [&] { of_.assign(static_cast<std::size_t>(share.scene().triangle_count()), {}); });
@@ -73,7 +73,7 @@ void FeatureOwners::learn(MessageBatches& batches, CollectiveCheck& agree, const
 
 // Finds the lowest triangle at each vertex. Only ghost vertices need the directory: all triangles at any other vertex
 // are on this rank.
-void FeatureOwners::own_vertices(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share,
+void FeatureOwners::own_vertices(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share,
                                  const GhostVertices& copies) {
     struct Least {
         std::int32_t vertex, triangle;
@@ -128,7 +128,7 @@ void FeatureOwners::own_vertices(MessageBatches& batches, CollectiveCheck& agree
         }
 }
 
-void FeatureOwners::own_edges(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share) {
+void FeatureOwners::own_edges(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share) {
     const PreparedScene& scene = share.scene();
     const int ranks = batches.transport().size();
     const std::int64_t m = scene.triangle_count(),

@@ -9,8 +9,8 @@
 
 #include "crumple/distributed.h"
 #include "distributed/feature_assembly.h"
-#include "distributed/transport/agreement.h"
-#include "distributed/transport/rounds.h"
+#include "distributed/transport/collective_check.h"
+#include "distributed/transport/message_batches.h"
 
 namespace crumple::distribute {
 

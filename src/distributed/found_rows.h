@@ -8,8 +8,8 @@
 
 #include "crumple/distributed.h"
 #include "distributed/assembled_part.h"
-#include "distributed/transport/agreement.h"
-#include "distributed/transport/rounds.h"
+#include "distributed/transport/collective_check.h"
+#include "distributed/transport/message_batches.h"
 
 namespace crumple::distribute {
 

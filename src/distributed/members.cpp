@@ -41,7 +41,7 @@ void RankMembers::forget() {
     entries_at_first_ = 0;
 }
 
-void RankMembers::update(const LocalMesh& share, const PartLayout& placement, ParallelFor& workers) {
+void RankMembers::update(const RankMesh& share, const PartLayout& placement, ParallelFor& workers) {
     const auto parts = static_cast<std::size_t>(placement.parts());
     const auto triangles = static_cast<std::size_t>(share.scene().triangle_count());
     depth_ = static_cast<std::size_t>(placement.tree().depth);
@@ -76,7 +76,7 @@ void RankMembers::update(const LocalMesh& share, const PartLayout& placement, Pa
 }
 
 // Measures how far vertices have moved, in normalised coordinates like slack.
-void RankMembers::measure_steps(const LocalMesh& share, const PartLayout& placement, ParallelFor& workers) {
+void RankMembers::measure_steps(const RankMesh& share, const PartLayout& placement, ParallelFor& workers) {
     const PreparedScene& scene = share.scene();
     step_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
     measure_steps(scene.reader[0], placement.normaliser(), before_, workers);
@@ -113,7 +113,7 @@ bool RankMembers::may_have_reached_a_part(const PreparedScene& scene, std::int64
     return !(slack > 0);
 }
 
-RankMembers::Found RankMembers::find_entries(const LocalMesh& share, const PartLayout& placement, std::int64_t begin,
+RankMembers::Found RankMembers::find_entries(const RankMesh& share, const PartLayout& placement, std::int64_t begin,
                                              std::int64_t end) {
     Found found;
     const PartTree tree = placement.tree();
@@ -188,7 +188,7 @@ std::int64_t RankMembers::bytes_of_changes() {
     return static_cast<std::int64_t>(rows * (sizeof(MemberRow) + depth_ * sizeof(std::uint64_t)));
 }
 
-void RankMembers::make_rows(std::span<const std::int32_t> parts, const LocalMesh& share, const GhostVertices& copies) {
+void RankMembers::make_rows(std::span<const std::int32_t> parts, const RankMesh& share, const GhostVertices& copies) {
     Places places;
     const auto put_masks = [&](std::int32_t part, std::int32_t triangle, std::vector<std::uint64_t>& to) {
         const Entries& entries = entries_[static_cast<std::size_t>(triangle)];
@@ -227,7 +227,7 @@ void RankMembers::send_some_whole() {
     std::fill(send_whole_.begin(), send_whole_.end(), std::uint8_t{0});
 }
 
-void RankMembers::number_corners(std::size_t k, const LocalMesh& share, const GhostVertices& copies, Places& places) {
+void RankMembers::number_corners(std::size_t k, const RankMesh& share, const GhostVertices& copies, Places& places) {
     const std::vector<std::int32_t>& triangles = changes_[k].added;
     if (triangles.empty()) return;
     const PreparedScene& scene = share.scene();

@@ -29,8 +29,8 @@ Box widened(const Box& box) {
 
 }  // namespace
 
-void PartLayout::make(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share, int parts,
-                      const Box& box, ParallelFor& workers) {
+void PartLayout::make(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share, int parts, const Box& box,
+                      ParallelFor& workers) {
     Transport& transport = batches.transport();
     constexpr int root = 0;
     const bool here = transport.rank() == root;

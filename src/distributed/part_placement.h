@@ -15,9 +15,9 @@
 
 #include "base/parallel_for.h"
 #include "crumple/function_ref.h"
-#include "distributed/share.h"
-#include "distributed/transport/agreement.h"
-#include "distributed/transport/rounds.h"
+#include "distributed/rank_mesh.h"
+#include "distributed/transport/collective_check.h"
+#include "distributed/transport/message_batches.h"
 #include "partition/feature_part.h"
 #include "partition/part_centres.h"
 
@@ -30,7 +30,7 @@ struct Box {
 class PartLayout {
    public:
     /// Makes the centres of `parts` parts of the scene, which lies in `box`. Collective.
-    void make(MessageBatches& batches, CollectiveCheck& agree, const LocalMesh& share, int parts, const Box& box,
+    void make(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share, int parts, const Box& box,
               ParallelFor& workers);
     void forget() { centres_.reset(); }
 

@@ -80,7 +80,7 @@ void Bodies::fail_with_id(const Error& error, std::int64_t body, std::int64_t id
     throw Error(error.code, message, Element::body, id);
 }
 
-void Bodies::outline(const WorldShare& share, const PairFilter& rules, bool moving) {
+void Bodies::outline(const LocalWorld& share, const PairFilter& rules, bool moving) {
     given_ = share.body_ids;
     try {
         read_share(share, rules, moving);
@@ -91,7 +91,7 @@ void Bodies::outline(const WorldShare& share, const PairFilter& rules, bool movi
     }
 }
 
-void Bodies::read_share(const WorldShare& share, const PairFilter& rules, bool moving) {
+void Bodies::read_share(const LocalWorld& share, const PairFilter& rules, bool moving) {
     // The outline does not get the excluded pairs of bodies, because they have numbers over all ranks.
     check(!lies_on_device(share.world), "poses of ranks lie in host memory");
     PairFilter known;

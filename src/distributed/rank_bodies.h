@@ -19,7 +19,7 @@
 #include "crumple/distributed.h"
 #include "crumple/error.h"
 #include "distributed/feature_owners.h"
-#include "distributed/transport/agreement.h"
+#include "distributed/transport/collective_check.h"
 #include "scene/world_outline.h"
 
 namespace crumple::distribute {
@@ -29,7 +29,7 @@ class Bodies {
     /// Checks everything but coordinates, and resizes the arrays of the local mesh. `moving`: true if it has end
     /// positions. Throws Error if the input is invalid or not supported on ranks; errors name a body by its id, if ids
     /// are given.
-    void outline(const WorldShare& share, const PairFilter& rules, bool moving);
+    void outline(const LocalWorld& share, const PairFilter& rules, bool moving);
     /// Checks that each body occurs once, and sets ids and groups of the local mesh. Collective. Throws the same Error
     /// on all ranks.
     void number(Transport& transport, CollectiveCheck& agree);
@@ -41,7 +41,7 @@ class Bodies {
     void forget();
 
     /// Local mesh and its end positions: views of arrays that number() and pose() fill in.
-    const MeshShare& share() const { return share_; }
+    const LocalMesh& share() const { return share_; }
     const VertexView& end() const { return end_view_; }
     /// Returns the pair filter of the world, converted to one of the local mesh's groups.
     const PairFilter& rules() const { return group_filter_; }
@@ -76,7 +76,7 @@ class Bodies {
     }
     /// Throws an error about one of this rank's bodies with the body's id.
     [[noreturn]] static void fail_with_id(const Error& error, std::int64_t body, std::int64_t id);
-    void read_share(const WorldShare& share, const PairFilter& rules, bool moving);
+    void read_share(const LocalWorld& share, const PairFilter& rules, bool moving);
     void check_shape(const Shape& shape, std::int32_t body) const;
     bool resolve_body_ids(Transport& transport, CollectiveCheck& agree);
     void tabulate(Transport& transport, CollectiveCheck& agree);
@@ -94,7 +94,7 @@ class Bodies {
     std::vector<std::int64_t> first_triangle_, first_vertex_, first_edge_;  ///< 1 per body, then the end
     std::vector<std::pair<std::int64_t, Row>> kept_;                        ///< this rank's rows, each with its body id
 
-    MeshShare share_;
+    LocalMesh share_;
     VertexView end_view_;
     Coordinates start_, end_;
     std::vector<std::int32_t> corners_, groups_;

@@ -34,13 +34,13 @@ double time_of_day() {
 RankDetector::RankDetector(Transport& transport, const DistributedOptions& options)
     : transport_(transport),
       options_(options),
-      rounds_(transport, std::max<std::int64_t>(options.round_bytes, 1024)),
+      rounds_(transport, std::max<std::int64_t>(options.batch_bytes, 1024)),
       check_(transport),
       clock_(time_of_day),
       share_(nullptr) {
     check_(Phase::query, [&] {
         check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
-        check(options.round_bytes >= 1024, "round_bytes must be at least 1024");
+        check(options.batch_bytes >= 1024, "batch_bytes must be at least 1024");
         check(options.detector.devices.empty(), "devices must be empty: a rank has one device");
         engine_.emplace(options_.detector);
         rounds_.reserve();
@@ -66,7 +66,7 @@ void RankDetector::show_phase(Phase phase) {
     if (show_ && phase != Phase::search) show_({phase});
 }
 
-void RankDetector::answer(const MeshShare& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
+void RankDetector::answer(const LocalMesh& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
                           FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work) {
     const FloatEnvironment environment;
     Stopwatch whole;
@@ -79,7 +79,7 @@ void RankDetector::answer(const MeshShare& share, const VertexView* end, Functio
     try {
         check_(Phase::query, [&] {
             asked_ = ask();
-            LocalMesh::check_shape(share);
+            RankMesh::check_shape(share);
         });
         check_query_of_ranks(share, end);
         prepare();
@@ -101,10 +101,10 @@ void RankDetector::answer(const MeshShare& share, const VertexView* end, Functio
 
 // One reduction compares what must be equal on all ranks (minima of x and -x) and combines flags; another one exchanges
 // counts.
-void RankDetector::check_query_of_ranks(const MeshShare& share, const VertexView* end) {
+void RankDetector::check_query_of_ranks(const LocalMesh& share, const VertexView* end) {
     std::vector<std::int64_t> told = asked_.told;
     told.push_back(options_.parts);
-    told.push_back(options_.round_bytes);
+    told.push_back(options_.batch_bytes);
     // Different queries may have different numbers of values.
     constexpr std::size_t n = 20;
     if (told.size() > n) throw std::logic_error("RankDetector: a query has more numbers than ranks compare");
@@ -133,7 +133,7 @@ void RankDetector::check_query_of_ranks(const MeshShare& share, const VertexView
     });
 }
 
-void RankDetector::read(const MeshShare& share, const VertexView* end) {
+void RankDetector::read(const LocalMesh& share, const VertexView* end) {
     check_(Phase::input, [&] {
         share_.number(share, triangle_ids_, vertex_ids_, counts_, transport_.rank());
         if (share.mesh.memory == MemorySpace::host) {
@@ -144,7 +144,7 @@ void RankDetector::read(const MeshShare& share, const VertexView* end) {
         DeviceShape there{Shape(share.mesh), share.mesh.stream};
         if (end) there.shape.end = *end;
         engine_->copy_to_host(there, staged_);
-        MeshShare here = share;
+        LocalMesh here = share;
         here.mesh = MeshView(staged_.shape.vertices, staged_.shape.triangles, staged_.shape.groups);
         share_.read(here, engine_->workers());
         if (end) share_.read_end(staged_.shape.end, engine_->workers());

@@ -31,10 +31,10 @@
 #include "distributed/part_placement.h"
 #include "distributed/part_search.h"
 #include "distributed/rank_bodies.h"
+#include "distributed/rank_mesh.h"
 #include "distributed/rank_query.h"
-#include "distributed/share.h"
-#include "distributed/transport/agreement.h"
-#include "distributed/transport/rounds.h"
+#include "distributed/transport/collective_check.h"
+#include "distributed/transport/message_batches.h"
 
 namespace crumple::distribute {
 
@@ -46,14 +46,14 @@ class CRUMPLE_API RankDetector {
     ~RankDetector();
 
     // See mpi::Detector::find:
-    const DistributedIntersections& find(const MeshShare& share, const IntersectionQuery& query = {},
+    const DistributedIntersections& find(const LocalMesh& share, const IntersectionQuery& query = {},
                                          std::stop_token stop = {});
-    const DistributedImpacts& find(const MeshShare& share, const ImpactQuery& query, std::stop_token stop = {});
-    const DistributedProximities& find(const MeshShare& share, const ProximityQuery& query, std::stop_token stop = {});
-    const DistributedIntersections& find(const WorldShare& share, const IntersectionQuery& query = {},
+    const DistributedImpacts& find(const LocalMesh& share, const ImpactQuery& query, std::stop_token stop = {});
+    const DistributedProximities& find(const LocalMesh& share, const ProximityQuery& query, std::stop_token stop = {});
+    const DistributedIntersections& find(const LocalWorld& share, const IntersectionQuery& query = {},
                                          std::stop_token stop = {});
-    const DistributedImpacts& find(const WorldShare& share, const ImpactQuery& query, std::stop_token stop = {});
-    const DistributedProximities& find(const WorldShare& share, const ProximityQuery& query, std::stop_token stop = {});
+    const DistributedImpacts& find(const LocalWorld& share, const ImpactQuery& query, std::stop_token stop = {});
+    const DistributedProximities& find(const LocalWorld& share, const ProximityQuery& query, std::stop_token stop = {});
 
     const DistributedOptions& options() const { return options_; }
     const DistributedStatistics& statistics() const { return statistics_; }
@@ -70,9 +70,9 @@ class CRUMPLE_API RankDetector {
    private:
     /// Runs all phases. ask() returns the query as ranks compare it, and may throw. prepare() is called after the
     /// comparison, and may communicate. work() runs the last three phases.
-    void answer(const MeshShare& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
+    void answer(const LocalMesh& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
                 FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work);
-    void answer(const WorldShare& share, const PairFilter& rules, bool moving, FunctionRef<ComparedQuery()> ask,
+    void answer(const LocalWorld& share, const PairFilter& rules, bool moving, FunctionRef<ComparedQuery()> ask,
                 std::stop_token stop, FunctionRef<void()> work);
     void search_rows(const IntersectionQuery& query, RankOutput wants);
     void search_body_pairs(const IntersectionQuery& query);
@@ -84,8 +84,8 @@ class CRUMPLE_API RankDetector {
     template <class Each, class Result>
     void search_features(Each each, bool listed, bool cut_short, Result& result);
 
-    void check_query_of_ranks(const MeshShare& share, const VertexView* end);
-    void read(const MeshShare& share, const VertexView* end);
+    void check_query_of_ranks(const LocalMesh& share, const VertexView* end);
+    void read(const LocalMesh& share, const VertexView* end);
     void check_ids();
     void place();
     void list_members();
@@ -133,7 +133,7 @@ class CRUMPLE_API RankDetector {
     // Cached between calls:
     std::optional<PartSearch> engine_;
     HostShape staged_;  ///< host copy of a local mesh in device memory
-    LocalMesh share_;
+    RankMesh share_;
     Bodies bodies_;
     GhostVertices copies_;
     PartLayout placement_;

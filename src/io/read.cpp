@@ -106,7 +106,7 @@ File unpacked(File file) {
     if (meshes.size() > 1)
         fail("it holds " + std::to_string(meshes.size()) + " meshes, " + in_quotes(meshes[0]) +
              " the first; unpack it");
-    const auto bytes = archive.expand(meshes[0], most_expanded(source.text().size()));
+    const auto bytes = archive.expand(meshes[0], expansion_limit(source.text().size()));
     if (!bytes)
         fail(in_quotes(meshes[0]) + " is damaged, encrypted, compressed in a way that is not read, or too large");
     Source mesh(*bytes, source.name() + '/' + meshes[0]);

@@ -202,7 +202,7 @@ double FeatureBalls::length(double x) const {
 FeatureBalls::FeatureBalls(const FeaturePartDemand& query, const Normaliser& normalise)
     : normalise_(normalise), radii_(query.radii) {
     if (query.distance > 0) half_ = length(query.distance) / 2;
-    if (query.share > 0) of_way_ = query.share / (1 - query.share) * 1.0000001;
+    if (query.share > 0) path_share_ = query.share / (1 - query.share) * 1.0000001;
 }
 
 PartBall FeatureBalls::operator()(const PreparedScene& scene, std::int64_t t) const {
@@ -211,7 +211,7 @@ PartBall FeatureBalls::operator()(const PreparedScene& scene, std::int64_t t) co
     double widened = half_;
     if (!radii_.empty())
         for (int k = 0; k < 3; ++k) widened = std::max(widened, length(radii_[static_cast<std::size_t>(c[k])]));
-    return PartBall(scene.triangle(t), end, widened, of_way_, normalise_);
+    return PartBall(scene.triangle(t), end, widened, path_share_, normalise_);
 }
 
 std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeatures& features,

@@ -38,14 +38,14 @@ class FeatureBalls {
     PartBall operator()(const PreparedScene& scene, std::int64_t triangle) const;
     /// Returns the factor, at most 1, by which the slack that PartTree::mask() computes has to be multiplied: it does
     /// not take into account that these balls also grow with the longest path of a corner.
-    double slack_of_path() const { return 3 / (3 + 2 * of_way_); }
+    double slack_of_path() const { return 3 / (3 + 2 * path_share_); }
 
    private:
     double length(double x) const;
 
     Normaliser normalise_;
     std::span<const double> radii_;
-    double half_ = 0, of_way_ = 0;
+    double half_ = 0, path_share_ = 0;
 };
 
 /// Splits a scene, including its proxy triangles, into `count` parts. The result depends on the arguments only.

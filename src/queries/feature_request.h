@@ -17,8 +17,8 @@
 #include "queries/row_stream.h"
 #include "scene/prepared_scene.h"
 #include "scene/rest_shape.h"
-#include "scene/rules.h"
 #include "scene/scene_features.h"
+#include "scene/scene_filter.h"
 #include "scene/vertex_rings.h"
 
 namespace crumple {

@@ -37,7 +37,7 @@ class BodyFilter {
     bool between(std::int32_t a, std::int32_t b) const { return wanted().bodies(a, b); }
     bool groups(std::int32_t g, std::int32_t h) const { return wanted().groups(g, h); }
     /// True if the filter allows all pairs of groups.
-    bool any_group() const { return groups_ == PairScope::both && excluded_groups_.empty(); }
+    bool allows_all_groups() const { return groups_ == PairScope::both && excluded_groups_.empty(); }
 
     /// Returns a view of the filter; valid while this object is unchanged.
     PairSelection wanted() const {

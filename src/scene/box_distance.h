@@ -35,17 +35,17 @@ class BoxDistance {
     };
 
     /// Interval of an object along each direction.
-    struct Reach {
+    struct Intervals {
         Lanes low, high;
 
-        void widen(const Reach& other) {
+        void widen(const Intervals& other) {
             low = {least(low.first, other.low.first), least(low.second, other.low.second)};
             high = {most(high.first, other.high.first), most(high.second, other.high.second)};
         }
 
         /// Returns a lower bound on the squared distance, to be compared with limit(), if it is above 0. Else the
         /// objects may touch; the lower the value, the deeper they overlap.
-        friend float gap(const Reach& a, const Reach& b) {
+        friend float gap(const Intervals& a, const Intervals& b) {
             const Four first = most(a.low.first - b.high.first, b.low.first - a.high.first),
                        second = most(a.low.second - b.high.second, b.low.second - a.high.second);
             const Four zero{}, p = most(zero, first) * most(zero, first), q = most(zero, second) * most(zero, second);
@@ -59,7 +59,7 @@ class BoxDistance {
     /// Computes intervals of the boxes and triangles of one of the two bodies.
     class Side {
        public:
-        Reach operator()(const SmallBox& box) const {
+        Intervals operator()(const SmallBox& box) const {
             Lanes middle = offset_, radius = slack_;
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 middle.first += along_[axis].first * box.middle[axis];
@@ -73,7 +73,7 @@ class BoxDistance {
 
         /// Returns the interval of a triangle. p, q and r: its posed vertices along each direction
         /// (BoxDistance::operator()).
-        Reach operator()(const Lanes& p, const Lanes& q, const Lanes& r) const {
+        Intervals operator()(const Lanes& p, const Lanes& q, const Lanes& r) const {
             return {{least(p.first, least(q.first, r.first)) - slack_.first,
                      least(p.second, least(q.second, r.second)) - slack_.second},
                     {most(p.first, most(q.first, r.first)) + slack_.first,

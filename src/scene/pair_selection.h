@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "scene/group_filter.h"
+#include "scene/group_selection.h"
 
 namespace crumple {
 

@@ -72,12 +72,12 @@ class SeparatingBoxes {
     using Lanes = float[lanes];
 
     /// Interval of a box along each direction.
-    struct Reach {
+    struct Intervals {
         alignas(16) Lanes low, high;
 
         /// Returns the largest gap along any direction. Only its sign has a meaning: above 0, the boxes are certainly
         /// apart.
-        friend float gap(const Reach& a, const Reach& b) {
+        friend float gap(const Intervals& a, const Intervals& b) {
             Lanes apart;
             for (int i = 0; i < lanes; ++i) apart[i] = max(a.low[i] - b.high[i], b.low[i] - a.high[i]);
             for (int i = 0; i < 4; ++i) apart[i] = max(apart[i], apart[i + 4]);
@@ -88,8 +88,8 @@ class SeparatingBoxes {
     /// Computes intervals for the boxes of one of the two bodies.
     class Side {
        public:
-        Reach operator()(const SmallBox& box) const {
-            Reach reach;
+        Intervals operator()(const SmallBox& box) const {
+            Intervals reach;
             const float *m = box.middle, *h = box.half;
             for (int i = 0; i < lanes; ++i) {
                 const float middle = offset_[i] + ((along_[0][i] * m[0] + along_[1][i] * m[1]) + along_[2][i] * m[2]);

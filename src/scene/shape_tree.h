@@ -110,7 +110,7 @@ template <class Visit>
 struct PairWalk {
     struct At {
         std::int32_t node;
-        SeparatingBoxes::Reach reach;
+        SeparatingBoxes::Intervals reach;
     };
 
     const ShapeTree &a, &b;

@@ -65,7 +65,7 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
     body_filter_.prepare(rules);
     body_filter_.classes.clear();
     scene.groups = nullptr;
-    if (body_filter_.any_group() && body_filter_.within(0, true)) {
+    if (body_filter_.allows_all_groups() && body_filter_.within(0, true)) {
         scene_filter_.prepare({});
         return scene;
     }

@@ -99,8 +99,9 @@ bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& query, co
         for (const auto& [box_i, i] : near_a) {
             for (const auto& [box_j, j] : near_b) {
                 if (!overlap(box_i, box_j)) continue;
-                if (!rules.any_group() && !rules.groups(group_of(a, of_a.group->triangle[static_cast<std::size_t>(i)]),
-                                                        group_of(b, of_b.group->triangle[static_cast<std::size_t>(j)])))
+                if (!rules.allows_all_groups() &&
+                    !rules.groups(group_of(a, of_a.group->triangle[static_cast<std::size_t>(i)]),
+                                  group_of(b, of_b.group->triangle[static_cast<std::size_t>(j)])))
                     continue;
                 ++decided;
                 Triangle s = triangle_of(of_a, i, 0), t = triangle_of(of_b, j, 3 * ShapeTree::most_triangles);

@@ -160,7 +160,7 @@ const PosedLeaf& NearestWalk::posed(Side& side, std::int32_t group) {
         at[v] = (*boxes_)({coordinate[0][v], coordinate[1][v], coordinate[2][v]});
     for (std::size_t k = 0; k < static_cast<std::size_t>(leaf.group->count); ++k) {
         const auto& c = leaf.group->corner[k];
-        const BoxDistance::Reach reach = (*side.boxes)(at[c[0]], at[c[1]], at[c[2]]);
+        const BoxDistance::Intervals reach = (*side.boxes)(at[c[0]], at[c[1]], at[c[2]]);
         leaf.reach[k] = reach;
         if (k == 0)
             leaf.all = reach;
@@ -179,7 +179,7 @@ void NearestWalk::visit(std::int32_t group_a, std::int32_t group_b) {
     for (std::size_t j = 0; j < static_cast<std::size_t>(b.group->count); ++j)
         if (!(gap(a.all, b.reach[j]) > limit_)) near_b[n++] = j;
     if (n == 0) return;
-    BoxDistance::Reach all_b = b.reach[near_b[0]];
+    BoxDistance::Intervals all_b = b.reach[near_b[0]];
     for (const std::size_t j : std::span(near_b.data(), n)) all_b.widen(b.reach[j]);
     for (std::size_t i = 0; i < static_cast<std::size_t>(a.group->count); ++i) {
         if (gap(a.reach[i], all_b) > limit_) continue;
@@ -189,7 +189,7 @@ void NearestWalk::visit(std::int32_t group_a, std::int32_t group_b) {
 }
 
 bool NearestWalk::wanted(const Pair& pair) const {
-    if (rules_.any_group()) return true;
+    if (rules_.allows_all_groups()) return true;
     const auto group_of = [&](std::int32_t body, std::int32_t triangle) {
         const auto& groups = outline_.shape(body).groups;
         return groups.empty() ? outline_.body(body).group : groups[static_cast<std::size_t>(triangle)];

@@ -22,8 +22,8 @@ namespace crumple {
 /// along the directions of BoxDistance.
 struct PosedLeaf {
     const ShapeTree::Group* group = nullptr;
-    BoxDistance::Reach all;
-    std::array<BoxDistance::Reach, ShapeTree::most_triangles> reach;
+    BoxDistance::Intervals all;
+    std::array<BoxDistance::Intervals, ShapeTree::most_triangles> reach;
     alignas(64) ShapeTree::Posed coordinate;
 
     TrianglePoints triangle(std::size_t k) const;
@@ -64,7 +64,7 @@ class NearestWalk {
 
     struct At {
         std::int32_t node;
-        BoxDistance::Reach reach;
+        BoxDistance::Intervals reach;
     };
     /// State of one of the two bodies.
     struct Side {
@@ -111,7 +111,7 @@ class NearestWalk {
     std::optional<BoxDistance> boxes_;
     /// Largest distance that is not pruned: at first the radius, then the lowest upper bound found on the distance.
     double upper_ = 0;
-    float limit_ = 0;  ///< `upper_` as a threshold of BoxDistance::Reach gaps
+    float limit_ = 0;  ///< `upper_` as a threshold of BoxDistance::Intervals gaps
     bool found_ = false, touching_ = false;
     NearestCandidate closest_{};          ///< pair that gave `upper_`, or the touching pair
     Vec3d direction_;                     ///< direction between the closest points of that pair, 0 if there is none

@@ -24,7 +24,7 @@ struct EnclosedArea {
 };
 
 /// Coordinates are integers in units of 2^exponent.
-struct RationalArea {
+struct ExactArea {
     RationalSum& twice;
     int exponent;
 
@@ -69,7 +69,7 @@ void add_exactly(const FaceCorners& a, const FaceCorners& b, RootSum& sum) {
     const int axis = normal.x != 0 ? 0 : normal.y != 0 ? 1 : 2;
     const auto wide = [](const Integer& x) { return Rational(mp::cpp_int(x)); };
     const Rational square = wide(dot(normal, normal)) / wide(normal[axis] * normal[axis]);
-    RationalArea area{sum.times_root_of(square), exponent};
+    ExactArea area{sum.times_root_of(square), exponent};
     add_common_area(IntegerProjection{axis}, p, in_units(b), area);
 }
 

@@ -42,7 +42,7 @@ void WindingSteps::add_components(const PlacedSurface& of, const PlacedSurface& 
         for (; step < steps_.size() && steps_[step].place <= place; ++step) winding += steps_[step].change;
         found.push_back({first[c], first[c + 1], -winding});
     }
-    cast(rays, other, shift, cancellation);
+    cast_rays(rays, other, shift, cancellation);
     for (const WindingRay& ray : rays) found.push_back({first[ray.of], first[ray.of + 1], ray.winding});
     for (const WindingInterval& whole : found) add(whole.begin, whole.end, whole.winding);
 }

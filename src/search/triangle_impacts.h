@@ -11,8 +11,8 @@
 #include "crumple/array.h"
 #include "queries/feature_request.h"
 #include "scene/prepared_scene.h"
-#include "scene/rules.h"
 #include "scene/scene_features.h"
+#include "scene/scene_filter.h"
 
 namespace crumple {
 

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "candidates/compare_candidates.h"
-#include "features/agreeing.h"
 #include "features/listed_soups.h"
+#include "features/tested_detectors.h"
 #include "rounds.h"
 
 namespace crumple::test {

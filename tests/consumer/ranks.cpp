@@ -15,7 +15,7 @@ int main(int count, char** arguments) {
     const std::vector<std::array<float, 3>> vertices{
         {x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}, {x + 0.2f, 0.2f, -1}, {x + 0.2f, 0.2f, 1}, {x + 2, 2, 0}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
-    const crumple::DistributedIntersections& found = detector.find(crumple::MeshShare{{vertices, triangles}, {}, {}});
+    const crumple::DistributedIntersections& found = detector.find(crumple::LocalMesh{{vertices, triangles}, {}, {}});
     const bool one = found.pairs.size() == 1 && found.count == detector.ranks();
     if (!one) std::printf("rank %d found %zu pairs\n", detector.rank(), found.pairs.size());
     detector.close();

@@ -9,7 +9,7 @@
 #include "crumple/error.h"
 #include "cuda/cloth.h"
 #include "cuda/device_mesh.h"
-#include "cuda/shows.h"
+#include "cuda/downloaded_results.h"
 #include "error_of.h"
 #include "features/compare_features.h"
 

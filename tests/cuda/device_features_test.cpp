@@ -10,8 +10,8 @@
 
 #include "crumple/error.h"
 #include "cuda/device_step.h"
+#include "cuda/downloaded_results.h"
 #include "cuda/falling.h"
-#include "cuda/shows.h"
 #include "error_of.h"
 #include "features/listed_soups.h"
 #include "rounds.h"

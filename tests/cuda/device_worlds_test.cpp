@@ -11,8 +11,8 @@
 
 #include "crumple/error.h"
 #include "cuda/device_world.h"
+#include "cuda/downloaded_results.h"
 #include "cuda/recorder.h"
-#include "cuda/shows.h"
 #include "error_of.h"
 #include "features/joined_blocks.h"
 #include "soups.h"

@@ -13,9 +13,9 @@
 #include "cuda_on_cpu/machine/settings.h"
 #include "device_mesh.h"
 #include "distributed/feature_rows.h"
-#include "distributed/pretended_ranks.h"
 #include "distributed/rank_detector.h"
-#include "distributed/verdicts.h"
+#include "distributed/rank_failures.h"
+#include "distributed/thread_ranks.h"
 #include "error_of.h"
 #include "features/compare_features.h"
 
@@ -150,7 +150,7 @@ TEST_F(Devices, local_meshes_of_ranks_may_be_on_devices) {
         DistributedOptions options;
         options.detector.backend = Backend::cuda;
         distribute::RankDetector detector(transport, options);
-        MeshShare share = start.share();
+        LocalMesh share = start.share();
         share.mesh = on_device.view();
         for (int frame = 0; frame < 2; ++frame)
             verdicts.add(rank, rows_are(detector.find(share), start.triangle_ids, pairs));

@@ -7,8 +7,8 @@
 #include <cfenv>
 #include <string>
 
+#include "backends/cuda/comparison_case_data.h"
 #include "backends/cuda/comparison_cases.h"
-#include "backends/cuda/known_cases.h"
 #include "crumple/crumple.h"
 #include "crumple/error.h"
 #include "cuda_on_cpu/machine/launch.h"

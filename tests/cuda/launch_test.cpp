@@ -20,7 +20,7 @@
 #include "crumple/error.h"
 #include "cuda/cloth.h"
 #include "cuda/device_mesh.h"
-#include "cuda/shows.h"
+#include "cuda/downloaded_results.h"
 #include "error_of.h"
 #include "halves.h"
 #include "memory_limit.h"

@@ -7,7 +7,7 @@
 #include "backends/cuda/stages/plan.h"
 #include "crumple/error.h"
 #include "cuda/device_mesh.h"
-#include "cuda/shows.h"
+#include "cuda/downloaded_results.h"
 #include "cuda_on_cpu/machine/graph.h"
 #include "cuda_on_cpu/machine/memory.h"
 #include "cuda_on_cpu/machine/sanitizers.h"

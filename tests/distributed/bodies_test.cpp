@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "crumple/crumple.h"
-#include "distributed/pretended_ranks.h"
 #include "distributed/rank_detector.h"
-#include "distributed/verdicts.h"
-#include "distributed/world_shares.h"
+#include "distributed/rank_failures.h"
+#include "distributed/rank_worlds.h"
+#include "distributed/thread_ranks.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple::test {
@@ -126,7 +126,7 @@ TEST(RankBodies, without_ids_bodies_are_numbered_rank_by_rank) {
     RankFailures verdicts;
     run_ranks(3, [&](Transport& transport) {
         const WorldPiece piece(world->view(), Distribution::blocks, transport.rank(), 3);
-        WorldShare share = piece.share();
+        LocalWorld share = piece.share();
         share.body_ids = {};
         RankDetector detector(transport, for_bodies());
         verdicts.add(transport.rank(), rows_are(detector.find(share), piece, expected));
@@ -268,7 +268,7 @@ std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, s
         RankDetector detector(transport, for_bodies());
         for (int frame = 0; frame < 2; ++frame) {
             WorldPiece piece = good;
-            WorldShare share;
+            LocalWorld share;
             IntersectionQuery query;
             try {
                 share = piece.share();
@@ -290,65 +290,64 @@ std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, s
 }
 
 TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
-    using LocalMesh = WorldShare;
+    using RankMesh = LocalWorld;
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
+                  [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                       if (rank == 1) piece.ids[0] = 0, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 0),
               "rank 0: body 0 is brought 2 times");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
+                  [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                       if (rank == 0) piece.ids[0] = 1, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 0),
               "rank 0: body 0 is missing: no rank brings it");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
+                  [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                       if (rank == 2) piece.ids[1] = 6, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 6),
               "rank 2: body 1 has the id 6, but ids are 0 to 5");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, LocalMesh& share, IntersectionQuery&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh& share, IntersectionQuery&) {
                   if (rank == 2) share.body_ids = {};
               }),
               "rank 2: another rank gives body ids, and this one has none");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, LocalMesh& share, IntersectionQuery&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh& share, IntersectionQuery&) {
                   if (rank == 1) share.body_ids = share.body_ids.first(1);
               }),
               "rank 1: there are 1 body ids for 2 bodies");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
+                  [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                       if (rank == 1) piece.poses[1].rows[3] = 1e300, share = piece.share();
                   },
                   ErrorCode::not_finite, 4),
               "rank 1: body 1: vertex 0 is posed to infinity (body 4 over all ranks)");
-    EXPECT_EQ(refused([](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                   if (rank == 2) piece.bodies[1].world = 1, share = piece.share();
               }),
               "rank 2: body 1: its world must be 0, for ranks share one world (body 5 over all ranks)");
-    EXPECT_EQ(refused([](int rank, WorldPiece& piece, LocalMesh& share, IntersectionQuery&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                   static const std::vector<Edge> edges{{0, 1}};
                   if (rank == 1) piece.shapes[0].edges = edges, share = piece.share();
               }),
               "rank 1: body 0: ranks do not read a shape's list of edges or points (body 1 over all ranks)");
-    EXPECT_EQ(refused([](int, WorldPiece&, LocalMesh&, IntersectionQuery& query) {
-                  query.filter.groups = PairScope::within;
-              }),
-              "rank 0: rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
+    EXPECT_EQ(
+        refused([](int, WorldPiece&, RankMesh&, IntersectionQuery& query) { query.filter.groups = PairScope::within; }),
+        "rank 0: rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
     EXPECT_EQ(refused(
-                  [](int, WorldPiece&, LocalMesh&, IntersectionQuery& query) {
+                  [](int, WorldPiece&, RankMesh&, IntersectionQuery& query) {
                       query.filter.excluded_bodies = {{0, 6}};
                   },
                   ErrorCode::invalid_argument, 6),
               "rank 0: excluded_bodies names body 6 of 6");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, LocalMesh&, IntersectionQuery& query) {
+    EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh&, IntersectionQuery& query) {
                   if (rank == 2) query.filter.excluded_bodies = {{0, 1}};
               }),
               "rank 0: the ranks ask different questions, or have different options");
-    EXPECT_EQ(refused([](int, WorldPiece&, LocalMesh&, IntersectionQuery& query) { query.index = true; }),
+    EXPECT_EQ(refused([](int, WorldPiece&, RankMesh&, IntersectionQuery& query) { query.index = true; }),
               "rank 0: index must be false: ranks have no offsets by body");
-    EXPECT_EQ(refused([](int, WorldPiece&, LocalMesh&, IntersectionQuery& query) { query.containment = true; }),
+    EXPECT_EQ(refused([](int, WorldPiece&, RankMesh&, IntersectionQuery& query) { query.containment = true; }),
               "rank 0: containment must be false: ranks find the surfaces that meet");
 }
 
@@ -362,7 +361,7 @@ TEST(RankBodies, calls_of_different_kinds_fail_on_all_ranks) {
         RankDetector detector(transport, for_bodies());
         try {
             if (rank == 1)
-                detector.find(MeshShare());
+                detector.find(LocalMesh());
             else
                 detector.find(piece.share());
         } catch (const Error& error) {

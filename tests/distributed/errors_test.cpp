@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "crumple/crumple.h"
-#include "distributed/pretended_ranks.h"
 #include "distributed/rank_detector.h"
-#include "distributed/shares.h"
+#include "distributed/rank_meshes.h"
+#include "distributed/thread_ranks.h"
 
 namespace crumple::test {
 namespace {
@@ -226,7 +226,7 @@ TEST(RankErrors, ids_on_some_ranks_only_are_reported) {
     std::vector<Seen> seen(2);
     run_ranks(2, [&](Transport& transport) {
         const MeshPiece piece(WholeMesh(wavy_sheet<float>(8)), Distribution::blocks, transport.rank(), 2);
-        MeshShare share = piece.share();
+        LocalMesh share = piece.share();
         if (transport.rank() == 1) share.vertex_ids = {};
         RankDetector detector(transport, small());
         seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { count_pairs(detector, share); });
@@ -241,7 +241,7 @@ TEST(RankErrors, invalid_options_fail_on_all_ranks) {
         run_ranks(2, [&](Transport& transport) {
             DistributedOptions options = small();
             if (which == 0) options.parts = -1;
-            if (which == 1) options.round_bytes = 1000;
+            if (which == 1) options.batch_bytes = 1000;
             if (which == 2 && transport.rank() == 1) options.detector.leaf_size = 0;
             seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { RankDetector(transport, options); });
         });

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <vector>
 
-#include "distributed/shares.h"
+#include "distributed/rank_meshes.h"
 #include "features/moving_soups.h"
 
 namespace crumple::test {

@@ -9,9 +9,9 @@
 #include "crumple/crumple.h"
 #include "distributed/feature_rows.h"
 #include "distributed/last_frame.h"
-#include "distributed/pretended_ranks.h"
 #include "distributed/rank_detector.h"
-#include "distributed/verdicts.h"
+#include "distributed/rank_failures.h"
+#include "distributed/thread_ranks.h"
 #include "tested_backend.h"
 
 namespace crumple::test {
@@ -172,7 +172,7 @@ TEST(RankFeatures, vertex_that_a_rank_lists_twice_is_owned_once) {
     RankFailures verdicts;
     run_ranks(1, [&](Transport& transport) {
         RankDetector detector(transport, single_thread());
-        verdicts.add(0, rows_are(detector.find(MeshShare{listed.view(), {}, ids}, query), {0, 1}, expected, mesh));
+        verdicts.add(0, rows_are(detector.find(LocalMesh{listed.view(), {}, ids}, query), {0, 1}, expected, mesh));
     });
     EXPECT_TRUE(verdicts.all());
 }

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "distributed/shares.h"
+#include "distributed/rank_meshes.h"
 #include "scenes/scenes.h"
 
 namespace crumple::test {

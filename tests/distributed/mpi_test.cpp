@@ -18,7 +18,7 @@
 #include "crumple/crumple.h"
 #include "distributed/feature_rows.h"
 #include "distributed/last_frame.h"
-#include "distributed/world_shares.h"
+#include "distributed/rank_worlds.h"
 #include "error_of.h"
 #include "io/files.h"
 #include "rounds.h"
@@ -146,7 +146,7 @@ TEST_F(MpiRanks, bodies_match_a_single_detector) {
 
 TEST_F(MpiRanks, small_message_batches_match_a_single_detector) {
     DistributedOptions options = one_thread();
-    options.round_bytes = 1024;
+    options.batch_bytes = 1024;
     expect_same(WholeMesh(wavy_sheet<double>(24)), every_distribution, {.output = Output::contacts}, "wavy sheet",
                 options);
 }

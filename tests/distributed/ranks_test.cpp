@@ -12,10 +12,10 @@
 #include "agreement/hard_soups.h"
 #include "crumple/crumple.h"
 #include "distributed/last_frame.h"
-#include "distributed/pretended_ranks.h"
 #include "distributed/rank_detector.h"
-#include "distributed/shares.h"
-#include "distributed/verdicts.h"
+#include "distributed/rank_failures.h"
+#include "distributed/rank_meshes.h"
+#include "distributed/thread_ranks.h"
 #include "error_of.h"
 #include "tested_backend.h"
 
@@ -27,12 +27,12 @@ using distribute::Transport;
 
 // Options of the ranks. The backend is the tested one (tested_backend.h).
 
-DistributedOptions one_thread(int parts = 0, std::int64_t round_bytes = std::int64_t{1} << 26) {
+DistributedOptions one_thread(int parts = 0, std::int64_t batch_bytes = std::int64_t{1} << 26) {
     DistributedOptions options;
     options.detector.backend = tested_backend;
     options.detector.threads = 1;
     options.parts = parts;
-    options.round_bytes = round_bytes;
+    options.batch_bytes = batch_bytes;
     return options;
 }
 
@@ -141,7 +141,7 @@ TEST(Ranks, ids_may_be_omitted_if_ranks_share_no_vertices) {
             mine.triangles.push_back({3 * (t - begin), 3 * (t - begin) + 1, 3 * (t - begin) + 2});
         }
         RankDetector detector(transport, one_thread());
-        verdicts.add(rank, rows_are(detector.find(MeshShare{mine.view(), {}, {}}), ids, expected));
+        verdicts.add(rank, rows_are(detector.find(LocalMesh{mine.view(), {}, {}}), ids, expected));
     });
     EXPECT_TRUE(verdicts.all());
 }

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "features/agreeing.h"
 #include "features/moving_soups.h"
+#include "features/tested_detectors.h"
 #include "rounds.h"
 
 namespace crumple::test {

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "error_of.h"
-#include "features/agreeing.h"
 #include "features/listed_soups.h"
+#include "features/tested_detectors.h"
 #include "rounds.h"
 
 namespace crumple::test {

@@ -8,9 +8,9 @@
 
 #include "detector/each_check_polls.h"
 #include "error_of.h"
-#include "features/agreeing.h"
 #include "features/compare_features.h"
 #include "features/moving_soups.h"
+#include "features/tested_detectors.h"
 #include "memory_limit.h"
 
 namespace crumple::test {

@@ -12,8 +12,8 @@
 
 #include "error_of.h"
 #include "exact/proximity/rational_distance.h"
-#include "features/agreeing.h"
 #include "features/moving_soups.h"
+#include "features/tested_detectors.h"
 #include "rounds.h"
 
 namespace crumple::test {
@@ -390,7 +390,7 @@ struct LiteralContract {
             for (const std::int32_t v : of) largest = std::max(largest, query.radii[static_cast<std::size_t>(v)]);
             return largest;
         };
-        const Reach reach{radius(a), radius(b), query.strict};
+        const DistanceLimit reach{radius(a), radius(b), query.strict};
         return distance(soup.start, kind, a, b).within(reach) &&
                !distance(soup.end, kind, a, b).within({query.rest_radius, 0});
     }

@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "features/agreeing.h"
+#include "features/tested_detectors.h"
 
 namespace crumple::test {
 

@@ -27,7 +27,7 @@ class TrianglePairsOfAStep : public testing::Test {
         reference().swap_result(all);
         EXPECT_EQ(listed(all.triangle_pairs), expected);
         EXPECT_EQ(all.any, !expected.empty() || features.any) << "what touches without a face is no pair of triangles";
-        for (const Tested& entry : std::span(tested()).first(4)) {
+        for (const TestedDetector& entry : std::span(tested()).first(4)) {
             SCOPED_TRACE(entry.name);
             const Impacts& found = entry.detector->find(soup.view().moving_to(soup.end_view()), query);
             ASSERT_TRUE(same_list(found.triangle_pairs, all.triangle_pairs));

@@ -8,9 +8,9 @@
 #include <tuple>
 
 #include "candidates/compare_candidates.h"
-#include "features/agreeing.h"
 #include "features/compare_features.h"
 #include "features/moving_worlds.h"
+#include "features/tested_detectors.h"
 #include "features/triangle_pairs.h"
 #include "queries/feature_request.h"
 

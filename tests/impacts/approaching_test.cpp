@@ -8,7 +8,7 @@
 
 #include "exact/impact/decide_min_distance.h"
 #include "exact/impact/filtered_closing.h"
-#include "impacts/separated_moves.h"
+#include "impacts/min_distance_moves.h"
 
 namespace crumple {
 namespace approaching {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "feature_answers.h"
+#include "feature_results.h"
 #include "files.h"
 
 namespace crumple::io::test {

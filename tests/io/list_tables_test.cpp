@@ -43,7 +43,7 @@ std::string read(const std::string& bytes, const std::string& name) {
     std::istringstream in(bytes);
     const Source source(in, name);
     std::string text;
-    const TakeRow take = [&](std::size_t section, std::span<const ListValue> values) -> std::string {
+    const ConsumeRow take = [&](std::size_t section, std::span<const ListValue> values) -> std::string {
         text += std::to_string(section) + '/' + std::to_string(values.size()) + ' ';
         return section == 1 && std::get<ListId>(values[1]).index == 9 ? "nine is no fish" : "";
     };

@@ -3,7 +3,7 @@
 #include <random>
 #include <sstream>
 
-#include "feature_answers.h"
+#include "feature_results.h"
 #include "files.h"
 #include "io/bytes/zip.h"
 #include "numpy.h"

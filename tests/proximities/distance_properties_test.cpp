@@ -85,7 +85,7 @@ TEST(Distance, scales_with_the_unit) {
             if (std::abs(power) == 500) {
                 ASSERT_EQ(other.squared(), std::ldexp(distance.squared(), 2 * power)) << features;
             }
-            const Reach reach{std::ldexp(1, power), std::ldexp(3, power), true};
+            const DistanceLimit reach{std::ldexp(1, power), std::ldexp(3, power), true};
             ASSERT_EQ(other.within(reach), distance.within({1, 3, true})) << features;
         }
     });
@@ -224,7 +224,7 @@ TEST(Distance, is_the_least_that_a_search_of_all_parts_finds) {
             ASSERT_EQ(distance.within({a, b, true}), nearest.squared < sum * sum) << features;
         }
         // Radii next to the distance itself.
-        const Reach reach{down, 0, false};
+        const DistanceLimit reach{down, 0, false};
         ASSERT_EQ(distance.within(reach), exactly(down) * exactly(down) == nearest.squared) << features;
         ASSERT_TRUE(distance.within({down, std::max(down * 0x1p-52, 0x1p-1074), true})) << features;
     });

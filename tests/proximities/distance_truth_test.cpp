@@ -15,7 +15,7 @@
 #include "crumple/io.h"
 #include "exact/proximity/decide_distance.h"
 #include "io/files.h"
-#include "proximities/asked.h"
+#include "proximities/feature_builders.h"
 
 namespace crumple {
 namespace {
@@ -120,7 +120,7 @@ TEST_P(DistanceTruth, matches_to_the_last_bit) {
         ASSERT_EQ(distance.rounded_down(), down) << features;
         for (const double beside : {std::nextafter(down, 0), down, std::nextafter(down, 1)}) {
             for (const bool strict : {false, true}) {
-                const Reach reach{beside, 0, strict};
+                const DistanceLimit reach{beside, 0, strict};
                 ASSERT_EQ(distance.within(reach), exact.within(reach)) << features << " at " << beside;
             }
         }
@@ -159,7 +159,7 @@ class NearPairs : public DistanceTruth {};
 // mean equal sets.
 TEST_P(NearPairs, are_as_many_as_in_the_list) {
     const Mesh& mesh = *mesh_;
-    const Reach reach{GetParam().radius, 0, false};
+    const DistanceLimit reach{GetParam().radius, 0, false};
     const auto interval = [&](std::int32_t item, std::initializer_list<std::int32_t> ids) {
         Interval result{1e300, -1e300, item};
         for (const std::int32_t id : ids) {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <random>
 
-#include "proximities/asked.h"
+#include "proximities/feature_builders.h"
 
 namespace crumple {
 

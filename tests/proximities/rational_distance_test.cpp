@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "proximities/asked.h"
+#include "proximities/feature_builders.h"
 
 namespace crumple {
 namespace {

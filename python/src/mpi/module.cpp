@@ -6,16 +6,16 @@
 
 #include "errors.h"
 #include "gil.h"
+#include "mpi/local_world.h"
 #include "mpi/rank_detector.h"
 #include "mpi/rank_results.h"
-#include "mpi/world_share.h"
 #include "signals.h"
 
 NB_MODULE(_mpi, module) {
     module.doc() = "C++ library of crumple.mpi. Private.";
     nanobind::set_leak_warnings(false);  // daemon threads may hold objects at exit
     crumple::python::WithoutGil::watch_exit();
-    crumple::python::remember_main_thread();
+    crumple::python::set_main_thread();
     crumple::python::translate_errors();
     crumple::python::bind_rank_results(module);
     crumple::python::bind_local_world(module);

@@ -69,10 +69,10 @@ std::exception_ptr failure_of(nb::handle exception) {
     return std::make_exception_ptr(Interrupted(words));
 }
 
-DistributedOptions distributed_options(const nb::dict& detector, nb::handle parts, nb::handle round_bytes) {
+DistributedOptions distributed_options(const nb::dict& detector, nb::handle parts, nb::handle batch_bytes) {
     return {.detector = options_of(detector),
             .parts = integer<int>("parts", parts),
-            .round_bytes = integer<std::int64_t>("round_bytes", round_bytes)};
+            .batch_bytes = integer<std::int64_t>("batch_bytes", batch_bytes)};
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ void RankDetector::show(const DistributedProgress& progress) {
 }
 
 template <class Work>
-auto RankDetector::alone(Work work) {
+auto RankDetector::run_exclusively(Work work) {
     if (calling_) refuse("a call of this crumple.mpi.Detector goes on, and it takes one at a time");
     struct Turn {
         bool& calling;
@@ -153,24 +153,24 @@ auto RankDetector::alone(Work work) {
 
 template <class Share, class Query>
 typename Query::DistributedResult RankDetector::find(const Share& share, const Query& query) {
-    return alone([&](std::stop_token stop) { return detector_.find(share.view(), query, std::move(stop)); });
+    return run_exclusively([&](std::stop_token stop) { return detector_.find(share.view(), query, std::move(stop)); });
 }
 
 template <class Share, class Query>
 bool RankDetector::any(const Share& share, const Query& query) {
-    return alone([&](std::stop_token stop) { return detector_.any(share.view(), query, std::move(stop)); });
+    return run_exclusively([&](std::stop_token stop) { return detector_.any(share.view(), query, std::move(stop)); });
 }
 
 void RankDetector::fail(nb::handle exception) {
     const std::exception_ptr failed = failure_of(exception);
     try {
-        alone([&](std::stop_token stop) {
+        run_exclusively([&](std::stop_token stop) {
             failed_ = failed;
             struct Forget {
                 std::exception_ptr& failed;
                 ~Forget() { failed = nullptr; }
             } const forget{failed_};
-            return detector_.any(MeshShare(), {}, std::move(stop));
+            return detector_.any(LocalMesh(), {}, std::move(stop));
         });
     } catch (const Interrupted&) {
         return;
@@ -178,7 +178,7 @@ void RankDetector::fail(nb::handle exception) {
 }
 
 void RankDetector::close() {
-    alone([&](const std::stop_token&) {
+    run_exclusively([&](const std::stop_token&) {
         detector_.close();
         return true;
     });
@@ -227,10 +227,10 @@ void bind_rank_detector(nb::module_& module) {
     nb::class_<DistributedOptions>(module, "Options", "Options of distributed calls, and of this rank's detector.")
         .def(
             "__init__",
-            [](DistributedOptions* self, const nb::dict& detector, nb::handle parts, nb::handle round_bytes) {
-                new (self) DistributedOptions(distributed_options(detector, parts, round_bytes));
+            [](DistributedOptions* self, const nb::dict& detector, nb::handle parts, nb::handle batch_bytes) {
+                new (self) DistributedOptions(distributed_options(detector, parts, batch_bytes));
             },
-            "detector"_a, "parts"_a.none(), "round_bytes"_a.none());
+            "detector"_a, "parts"_a.none(), "batch_bytes"_a.none());
     nb::class_<BorrowedLocalMesh>(module, "Share", "Local mesh of a rank.")
         .def(nb::init<const RankDetector&, const nb::tuple&, nb::handle, nb::handle>(), "detector"_a, "mesh"_a,
              "triangle_ids"_a.none(), "vertex_ids"_a.none());

@@ -12,7 +12,7 @@
 
 #include "arrays.h"
 #include "crumple/mpi.h"
-#include "mpi/world_share.h"
+#include "mpi/local_world.h"
 
 namespace crumple::python {
 
@@ -23,7 +23,7 @@ struct BorrowedLocalMesh {
     /// `mesh` is a crumple.Mesh. Throws Error if the detector cannot read the memory of the arrays.
     BorrowedLocalMesh(const RankDetector& detector, const nanobind::tuple& mesh, nanobind::handle triangle_ids,
                       nanobind::handle vertex_ids);
-    MeshShare view() const {
+    LocalMesh view() const {
         return {end ? mesh.view().moving_to(end->view()) : mesh.view(), triangle_ids.view(), vertex_ids.view()};
     }
 

@@ -9,7 +9,7 @@
 #include "backends/cpu/leaf_query.h"
 #include "backends/cpu/parallel.h"
 #include "partition/levels.h"
-#include "scene/rules.h"
+#include "scene/scene_filter.h"
 
 namespace crumple::cpu {
 

@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
+#include "backends/cuda/comparison_case_data.h"
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/features/feature_decisions.h"
 #include "backends/cuda/features/feature_narrow.h"
 #include "backends/cuda/intersections/device_contacts.h"
 #include "backends/cuda/intersections/intersection_narrow.h"
-#include "backends/cuda/known_cases.h"
 #include "base/float_environment.h"
 #include "crumple/error.h"
 #include "exact/intersection/contact_on_line.h"

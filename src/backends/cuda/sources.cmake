@@ -3,7 +3,7 @@ set(crumple_cuda_sources
     cuda_backend.cu comparison_cases.cu
     engine/finder.cu engine/finder_chunks.cu engine/launches.cu
     device/captures.cu device/cuda_device.cu device/gather.cu device/places.cu device/runtime.cu
-    input/host_shape.cu input/device_input.cu input/known_mesh.cu input/posed_worlds.cu input/world_names.cu
+    input/host_shape.cu input/device_input.cu input/cached_mesh.cu input/posed_worlds.cu input/world_names.cu
     input/worlds_side_by_side.cu
     stages/align.cu stages/bounds.cu stages/batched_clear.cu stages/output.cu stages/pass.cu stages/sort.cu stages/subdivide.cu
     intersections/result_on_device.cu intersections/intersection_chunks.cu intersections/device_contacts.cu

@@ -13,7 +13,7 @@
 #include "exact/intersection/exact_intersection.h"
 #include "partition/levels.h"
 #include "results/intersection_output.h"
-#include "scene/rules.h"
+#include "scene/scene_filter.h"
 
 namespace crumple {
 namespace {

@@ -289,7 +289,7 @@ class Search {
             for (const std::int32_t v : f->vertices) p[n++] = moving_point(scene_, v);
         if (query_.criterion == Criterion::proximity) {
             const RationalDistance distance(at_start(kind, p));
-            const Reach one{query_.distance, 0, query_.strict}, sum{a.radius, b.radius, query_.strict};
+            const DistanceLimit one{query_.distance, 0, query_.strict}, sum{a.radius, b.radius, query_.strict};
             if (!distance.within(query_.radii.empty() ? one : sum) || close_in_rest_shape(kind, a, b)) return {};
             return {true, distance.squared(), distance.touching()};
         }

@@ -94,9 +94,9 @@ DistributedOptions with_threads_and_device(DistributedOptions options, MPI_Comm 
     const bool chooses_threads = own.threads == 0 && !own.executor;
     const std::size_t devices =
         own.backend == Backend::cuda || own.backend == Backend::automatic ? list_devices().devices.size() : 0;
-    int asks = chooses_threads || devices > 0;
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &asks, 1, MPI_INT, MPI_MAX, communicator), "MPI_Allreduce");
-    if (!asks) return options;
+    int requests = chooses_threads || devices > 0;
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &requests, 1, MPI_INT, MPI_MAX, communicator), "MPI_Allreduce");
+    if (!requests) return options;
     const Fair fair = fair_share(communicator);
     if (chooses_threads) own.threads = fair.threads;
     // An invalid device is refused later, with all other options.
@@ -155,29 +155,29 @@ void Detector::close() {
     closing->communicator.free();
 }
 
-template <class Query, class LocalMesh>
-const typename Query::DistributedResult& Detector::find(const LocalMesh& share, const Query& query,
+template <class Query, class RankMesh>
+const typename Query::DistributedResult& Detector::find(const RankMesh& share, const Query& query,
                                                         std::stop_token stop) {
     return open().detector.find(share, query, std::move(stop));
 }
-template <class Query, class LocalMesh>
-bool Detector::any(const LocalMesh& share, const Query& query, std::stop_token stop) {
+template <class Query, class RankMesh>
+bool Detector::any(const RankMesh& share, const Query& query, std::stop_token stop) {
     Query whether = query;
     whether.output = Output::any;
     return find(share, whether, std::move(stop)).any;
 }
 
-#define CRUMPLE_FIND(LocalMesh, Query)                                                                  \
-    template CRUMPLE_API const Query::DistributedResult& Detector::find(const LocalMesh&, const Query&, \
-                                                                        std::stop_token);               \
-    template CRUMPLE_API bool Detector::any(const LocalMesh&, const Query&, std::stop_token);
+#define CRUMPLE_FIND(RankMesh, Query)                                                                  \
+    template CRUMPLE_API const Query::DistributedResult& Detector::find(const RankMesh&, const Query&, \
+                                                                        std::stop_token);              \
+    template CRUMPLE_API bool Detector::any(const RankMesh&, const Query&, std::stop_token);
 
-CRUMPLE_FIND(MeshShare, IntersectionQuery)
-CRUMPLE_FIND(MeshShare, ImpactQuery)
-CRUMPLE_FIND(MeshShare, ProximityQuery)
-CRUMPLE_FIND(WorldShare, IntersectionQuery)
-CRUMPLE_FIND(WorldShare, ImpactQuery)
-CRUMPLE_FIND(WorldShare, ProximityQuery)
+CRUMPLE_FIND(LocalMesh, IntersectionQuery)
+CRUMPLE_FIND(LocalMesh, ImpactQuery)
+CRUMPLE_FIND(LocalMesh, ProximityQuery)
+CRUMPLE_FIND(LocalWorld, IntersectionQuery)
+CRUMPLE_FIND(LocalWorld, ImpactQuery)
+CRUMPLE_FIND(LocalWorld, ProximityQuery)
 
 void Detector::set_poll(std::function<void()> poll) {
     open().detector.set_poll(poll);

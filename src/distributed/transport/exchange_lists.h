@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "distributed/transport/rounds.h"
+#include "distributed/transport/message_batches.h"
 
 namespace crumple::distribute {
 

@@ -4,8 +4,8 @@
 // (in_process.h) and for MPI (mpi/mpi_transport.h).
 //
 // Every call is collective: all ranks make the same calls in the same order. A call that fails on one rank may leave
-// the others waiting, so a collective error check (agreement.h) must follow whatever can fail on one rank alone (input,
-// memory), before the next call.
+// the others waiting, so a collective error check (collective_check.h) must follow whatever can fail on one rank alone
+// (input, memory), before the next call.
 
 #include <cstddef>
 #include <cstdint>

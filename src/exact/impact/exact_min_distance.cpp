@@ -81,7 +81,9 @@ void edge_edge_quotients(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c, c
 struct NonnegativeRatio {
     Integer over, under = 1;
 
-    friend bool operator<(const NonnegativeRatio& x, const NonnegativeRatio& y) { return x.over * y.under < y.over * x.under; }
+    friend bool operator<(const NonnegativeRatio& x, const NonnegativeRatio& y) {
+        return x.over * y.under < y.over * x.under;
+    }
 };
 
 /// Returns the square of x in units of 4^exponent.
@@ -95,7 +97,8 @@ NonnegativeRatio squared(double x, int exponent) {
 /// Returns the impact at the first root of over / under = limit in [0, 1] at which no condition is negative; none if
 /// the equation holds at all times.
 template <class Conditions>
-Impact first_root(const Polynomial& over, const Polynomial& under, Conditions conditions, const NonnegativeRatio& limit) {
+Impact first_root(const Polynomial& over, const Polynomial& under, Conditions conditions,
+                  const NonnegativeRatio& limit) {
     const Polynomial excess = Polynomial({limit.under}) * over - Polynomial({limit.over}) * under;
     if (excess.zero()) return {};
     for (Root& t : roots_in_unit_interval(excess)) {
@@ -117,7 +120,8 @@ int sign_after(Root& t, Polynomial p) {
 
 /// Returns the impact at the first time in [0, 1) right after which over / under < limit and no condition is negative.
 template <class Conditions>
-Impact first_fall(const Polynomial& over, const Polynomial& under, Conditions conditions, const NonnegativeRatio& limit) {
+Impact first_fall(const Polynomial& over, const Polynomial& under, Conditions conditions,
+                  const NonnegativeRatio& limit) {
     const Polynomial excess = Polynomial({limit.under}) * over - Polynomial({limit.over}) * under;
     const auto falls = [&](Root& t) {
         if (sign_after(t, excess) >= 0 || sign_after(t, under) == 0) return false;

@@ -15,7 +15,7 @@
 
 namespace crumple {
 
-/// Result of comparing a distance with a Reach.
+/// Result of comparing a distance with a DistanceLimit.
 enum class Proximity : std::uint8_t { beyond, within, unknown };
 
 namespace detail {
@@ -157,7 +157,7 @@ CRUMPLE_HD inline Guess guess_closest(const Differences& d) {
 
 /// True if the distance certainly exceeds the reach. This is the cheapest test, of one direction, from middle to
 /// middle. False proves nothing.
-CRUMPLE_HD inline bool surely_out_of_reach(const Features& features, const Reach& reach) {
+CRUMPLE_HD inline bool surely_out_of_reach(const Features& features, const DistanceLimit& reach) {
     const detail::Differences d(features);
     const double share = d.kinds == FeatureKinds::vertex_face ? 1.0 / 3 : 0.5;
     return d.beyond(d.w + share * (d.u + d.v), reach.a + reach.b);

@@ -2,7 +2,7 @@
 
 namespace crumple {
 
-bool Distance::within(const Reach& reach) {
+bool Distance::within(const DistanceLimit& reach) {
     const Proximity proximity = quick_.compare(reach);
     return proximity == Proximity::unknown ? exact().within(reach) : proximity == Proximity::within;
 }

@@ -24,7 +24,7 @@ class Distance {
         : features_(features), quick_(features), counts_(counts) {}
 
     /// True if the distance is at most the reach, or below it if reach.strict.
-    bool within(const Reach& reach);
+    bool within(const DistanceLimit& reach);
     /// True if the distance is 0.
     bool touching();
     /// Returns the squared distance, rounded to the nearest float64, ties to even; +inf beyond the largest.

@@ -3,19 +3,19 @@
 // Enclosure of the squared distance of two features between two numbers that agree in about a hundred bits, and the
 // results that follow from it. Compiled for host and device. The bounds are derived in docs/nearness_algebra.md.
 //
-// w, u, v, s and t are those of closest_guess.h, renumbered by seen_from_guess.h. The guess is used as it is: s and t
-// are float64 numbers, so the squared length of w + s u + t v, evaluated in double words, is an upper bound that errors
-// of the guess do not affect. The squared length f is a quadratic function of (s, t), so its slopes at the guess bound
-// how much smaller it is elsewhere: not at all along a parameter that can only grow and with which f grows, otherwise
-// by at most the square of the slope divided by the curvature. If the guess is off by rounding errors, so are the
-// slopes, and the loss is of the order of their squares.
+// w, u, v, s and t are those of closest_guess.h, renumbered by vectors_from_guess.h. The guess is used as it is: s and
+// t are float64 numbers, so the squared length of w + s u + t v, evaluated in double words, is an upper bound that
+// errors of the guess do not affect. The squared length f is a quadratic function of (s, t), so its slopes at the guess
+// bound how much smaller it is elsewhere: not at all along a parameter that can only grow and with which f grows,
+// otherwise by at most the square of the slope divided by the curvature. If the guess is off by rounding errors, so are
+// the slopes, and the loss is of the order of their squares.
 //
 // With hardly any curvature, as for nearly parallel edges, this bound is too large. Then slopes are evaluated in double
 // words, too, and a step of Newton's method improves the guess.
 
 #include <limits>
 
-#include "exact/proximity/seen_from_guess.h"
+#include "exact/proximity/vectors_from_guess.h"
 #include "exact/proximity/without_rounding.h"
 
 namespace crumple::detail {
@@ -64,7 +64,7 @@ class Enclosure {
     }
     CRUMPLE_HD bool apart() const { return below_ < 0.5 * squared_.high; }
 
-    CRUMPLE_HD Proximity compare(const Reach& reach) {
+    CRUMPLE_HD Proximity compare(const DistanceLimit& reach) {
         const int order = compare_with(two_sum(reach.a, reach.b));
         if (order == undecided) return Proximity::unknown;
         return order < 0 || (order == 0 && !reach.strict) ? Proximity::within : Proximity::beyond;
@@ -105,7 +105,7 @@ class Enclosure {
     }
 
    private:
-    enum class Settled : std::uint8_t { untried, no, yes };
+    enum class Exactness : std::uint8_t { untried, no, yes };
 
     static constexpr double epsilon = near_epsilon;
 
@@ -236,7 +236,7 @@ class Enclosure {
             }
             const DoubleWord x = name == 't' ? two_sum(seen_.t, t_low_) : two_sum(seen_.s, s_low_);
             const double slack =
-                settled_ == Settled::yes ? 0 : 1.1 * (name == 't' ? t_error() : s_error()) + 8 * epsilon * epsilon;
+                settled_ == Exactness::yes ? 0 : 1.1 * (name == 't' ? t_error() : s_error()) + 8 * epsilon * epsilon;
             const TwoTerms high = name == 'c' ? two_sum(1, -x.high) : TwoTerms{x.high, 0};
             const double low = high.low + (name == 'c' ? -x.low : x.low);
             at[i] = high.high + (low + slack);
@@ -264,12 +264,12 @@ class Enclosure {
 
     /// True if nothing was rounded. Then the enclosure shrinks to one number.
     CRUMPLE_HD bool decide_type() {
-        if (settled_ == Settled::untried) {
+        if (settled_ == Exactness::untried) {
             const bool exact = certainly_touching() || (s_low_ == 0 && t_low_ == 0 && is_exact(seen_, g_, squared_));
-            settled_ = exact ? Settled::yes : Settled::no;
+            settled_ = exact ? Exactness::yes : Exactness::no;
             if (exact) below_ = above_ = 0;
         }
-        return settled_ == Settled::yes;
+        return settled_ == Exactness::yes;
     }
 
     /// True if the type is certain, after decide_type() has returned true. As nothing was rounded, the guess is a
@@ -293,7 +293,7 @@ class Enclosure {
     FeatureKinds kinds_;
     std::uint8_t type_;
     bool refined_ = false;
-    Settled settled_ = Settled::untried;
+    Exactness settled_ = Exactness::untried;
 };
 
 }  // namespace crumple::detail

@@ -15,11 +15,11 @@ class FilteredDistance {
         : features_(features), differences_(features), guess_(detail::guess_closest(differences_)) {}
 
     /// Compares in float64 first, then in double words.
-    CRUMPLE_HD Proximity compare(const Reach& reach) const {
+    CRUMPLE_HD Proximity compare(const DistanceLimit& reach) const {
         const Proximity known = compare_in_float64(reach);
         return known == Proximity::unknown ? compare_closely(reach) : known;
     }
-    CRUMPLE_HD Proximity compare_in_float64(const Reach& reach) const {
+    CRUMPLE_HD Proximity compare_in_float64(const DistanceLimit& reach) const {
         const double radius = reach.a + reach.b;
         const Vec3d g = differences_.w + guess_.s * differences_.u + guess_.t * differences_.v;
         if (differences_.within(g, radius)) return Proximity::within;
@@ -32,7 +32,7 @@ class FilteredDistance {
     CRUMPLE_HD detail::Enclosure enclosure() const { return {features_, guess_}; }
 
    private:
-    CRUMPLE_HD_COLD Proximity compare_closely(const Reach& reach) const {
+    CRUMPLE_HD_COLD Proximity compare_closely(const DistanceLimit& reach) const {
         if (!(differences_.size <= detail::largest_size)) return Proximity::unknown;
         return enclosure().compare(reach);
     }

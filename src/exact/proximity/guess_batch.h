@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "exact/proximity/seen_from_guess.h"
+#include "exact/proximity/vectors_from_guess.h"
 
 namespace crumple::cpu {
 

@@ -144,7 +144,7 @@ RationalDistance::RationalDistance(const Features& features) {
     type_ = parts.type;
 }
 
-bool RationalDistance::within(const Reach& reach) const {
+bool RationalDistance::within(const DistanceLimit& reach) const {
     const int exponent = std::min(exponent_, common_exponent(std::array{Vec3d{reach.a, reach.b, 0}}));
     const Integer sum = scaled(reach.a, exponent) + scaled(reach.b, exponent);
     const int order =

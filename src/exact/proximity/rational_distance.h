@@ -21,7 +21,7 @@ class RationalDistance {
 
     /// True if the features have a point in common.
     bool touching() const { return squared_.numerator == 0; }
-    bool within(const Reach& reach) const;
+    bool within(const DistanceLimit& reach) const;
     /// Returns the squared distance, rounded to the nearest float64, ties to even; +inf beyond the largest.
     double squared() const;
     /// Returns the largest float64 not above the distance.

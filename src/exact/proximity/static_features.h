@@ -27,7 +27,7 @@ struct Features {
 };
 
 /// Limit on a distance: at most a + b, an exact sum, or below it if `strict`. Both terms are finite and not negative.
-struct Reach {
+struct DistanceLimit {
     double a = 0, b = 0;
     bool strict = false;
 };

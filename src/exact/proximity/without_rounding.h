@@ -5,7 +5,7 @@
 // equal to the radius. Error bounds cannot decide such cases, but exact sums of a few products can. Compiled for host
 // and device.
 
-#include "exact/proximity/seen_from_guess.h"
+#include "exact/proximity/vectors_from_guess.h"
 #include "geometry/predicates.h"
 
 namespace crumple::detail {

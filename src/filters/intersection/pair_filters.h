@@ -10,11 +10,11 @@
 namespace crumple {
 
 /// Applies the float32 filters to a pair that the plane filter does not decide. `kind`: classify() of its signs.
-CRUMPLE_HD inline Verdict filter_in_float(const Record& a, const Record& b, const PairSigns& signs, PairKind kind,
+CRUMPLE_HD inline Verdict filter_in_float(const Record& a, const Record& b, const PairSigns& signs, NextStep kind,
                                           const NarrowPolicy& policy, const PointRows& points, float reach) {
-    if (kind == PairKind::apart) return Verdict::apart;
-    if (kind == PairKind::hit) return Verdict::collides;
-    if (kind == PairKind::edge) {
+    if (kind == NextStep::apart) return Verdict::apart;
+    if (kind == NextStep::hit) return Verdict::collides;
+    if (kind == NextStep::edge) {
         const Verdict verdict = edge_test(a, b, signs.below_a, signs.below_b, reach, policy.proper);
         if (verdict != Verdict::undecided) return verdict;
     }

@@ -55,24 +55,24 @@ CRUMPLE_HD inline PairSigns pair_signs(const Record& a, const Record& b) {
 
 /// Next step for a pair: none, because it is decided (apart, hit); the edge test (edge); or only the separating tests
 /// (open).
-enum class PairKind : std::uint8_t { apart, hit, edge, open };
+enum class NextStep : std::uint8_t { apart, hit, edge, open };
 
-CRUMPLE_HD inline PairKind classify(const PairSigns& s, const NarrowPolicy& policy) {
+CRUMPLE_HD inline NextStep classify(const PairSigns& s, const NarrowPolicy& policy) {
     const auto single = [](unsigned corners) { return corners == 1 || corners == 2 || corners == 4; };
     const auto next_corner = [](unsigned corner) { return corner == 4 ? 1u : 2 * corner; };
     const bool neighbours = s.shared_b != 0;
-    if (neighbours && policy.skip_adjacent) return PairKind::apart;
+    if (neighbours && policy.skip_adjacent) return NextStep::apart;
     // Duplicated faces are left to the exact test.
     if (s.shared_b != 7 && ((s.above_a | s.shared_b) == 7 || (s.below_a | s.shared_b) == 7 ||
                             (s.above_b | s.shared_a) == 7 || (s.below_b | s.shared_a) == 7))
-        return PairKind::apart;
+        return NextStep::apart;
     const bool certain = ((s.above_a | s.below_a | s.shared_b) & (s.above_b | s.below_b | s.shared_a)) == 7;
-    if (!neighbours) return certain ? PairKind::edge : PairKind::open;
+    if (!neighbours) return certain ? NextStep::edge : NextStep::open;
     // A common segment that starts at the shared vertex may end where two edges meet, so that no edge crosses an
     // interior. So for `proper` these pairs stay open.
-    if (!certain || policy.proper || !single(s.shared_a) || !single(s.shared_b)) return PairKind::open;
+    if (!certain || policy.proper || !single(s.shared_a) || !single(s.shared_b)) return NextStep::open;
     const bool a1 = s.below_b & next_corner(s.shared_a), b1 = s.below_a & next_corner(s.shared_b);
-    return a1 != b1 ? PairKind::hit : PairKind::apart;
+    return a1 != b1 ? NextStep::hit : NextStep::apart;
 }
 
 }  // namespace crumple

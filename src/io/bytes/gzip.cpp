@@ -15,12 +15,12 @@ namespace {
 
 constexpr int gzip_only = 16 + MAX_WBITS;
 /// Largest number of bytes passed to zlib in one call: zlib counts bytes in 32 bits.
-constexpr std::size_t most_a_call = std::size_t{1} << 30;
+constexpr std::size_t max_bytes_per_call = std::size_t{1} << 30;
 
 class Expander {
    public:
     Expander(std::string_view bytes, const std::string& name)
-        : bytes_(bytes), name_(name), most_(most_expanded(bytes.size())) {
+        : bytes_(bytes), name_(name), most_(expansion_limit(bytes.size())) {
         if (inflateInit2(&stream_, gzip_only) != Z_OK) throw std::bad_alloc();
     }
     Expander(const Expander&) = delete;
@@ -42,8 +42,8 @@ class Expander {
 
    private:
     int step() {
-        const std::size_t given = std::min(bytes_.size() - at_, most_a_call);
-        const std::size_t room = std::min(out_.size() - size_, most_a_call);
+        const std::size_t given = std::min(bytes_.size() - at_, max_bytes_per_call);
+        const std::size_t room = std::min(out_.size() - size_, max_bytes_per_call);
         stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes_.data() + at_));  // zlib only reads it
         stream_.avail_in = static_cast<uInt>(given);
         stream_.next_out = reinterpret_cast<Bytef*>(out_.data() + size_);

@@ -72,7 +72,7 @@ class Warnings {
 };
 
 /// Oddities of one kind, which share one warning: the place of the first of them in the file, and their number.
-struct Tally {
+struct WarningTally {
     const char* first = nullptr;
     std::int64_t count = 0;
 

@@ -107,7 +107,7 @@ struct ZipReader::Inflation {
 
     /// Reads the next bytes; `got` is 0 at the end. Returns false if the entry is damaged or truncated.
     bool read(char* to, std::size_t size, std::size_t& got) {
-        size = std::min(size, most_at_once);
+        size = std::min(size, max_bytes_per_call);
         if (entry.method == Z_DEFLATED) {
             if (!inflate_to(to, size, got)) return false;
         } else {
@@ -121,13 +121,13 @@ struct ZipReader::Inflation {
     }
 
    private:
-    static constexpr std::size_t most_at_once = std::size_t{1} << 30;  // zlib counts in 32 bits
+    static constexpr std::size_t max_bytes_per_call = std::size_t{1} << 30;  // zlib counts in 32 bits
 
     bool inflate_to(char* to, std::size_t size, std::size_t& got) {
         stream.next_out = reinterpret_cast<Bytef*>(to);
         stream.avail_out = static_cast<uInt>(size);
         while (stream.avail_out > 0 && !ended) {
-            const std::size_t given = std::min(left.size(), most_at_once);
+            const std::size_t given = std::min(left.size(), max_bytes_per_call);
             stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(left.data()));  // zlib only reads it
             stream.avail_in = static_cast<uInt>(given);
             const int status = inflate(&stream, Z_NO_FLUSH);

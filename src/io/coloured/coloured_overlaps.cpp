@@ -34,7 +34,7 @@ struct TriangleContacts {
 /// For one body of a row: the other body of this row.
 struct OtherBody {
     std::int32_t body;
-    bool has_inside;  ///< false if a body of the row is not closed (OverlapRelation::undefined)
+    bool both_closed;  ///< false if a body of the row is not closed (OverlapRelation::undefined)
 };
 
 /// Body of a row, posed, with its contacts.
@@ -89,9 +89,9 @@ std::map<std::int32_t, CutBody> place_bodies(const WorldMesh& world, const Overl
     };
     for (std::size_t i = 0; i < overlaps.bodies.size(); ++i) {
         const auto [first, second] = overlaps.bodies[i];
-        const bool has_inside = overlaps.relation.empty() || overlaps.relation[i] != OverlapRelation::undefined;
-        body_of(first).others.push_back({second, has_inside});
-        if (second != first) body_of(second).others.push_back({first, has_inside});
+        const bool both_closed = overlaps.relation.empty() || overlaps.relation[i] != OverlapRelation::undefined;
+        body_of(first).others.push_back({second, both_closed});
+        if (second != first) body_of(second).others.push_back({first, both_closed});
     }
     for (auto& [b, body] : bodies) body.rays.emplace(body.points, body.corners);
     return bodies;
@@ -155,8 +155,8 @@ bool is_within(const CommonPolygon& area, const Vec3d& p) {
 bool is_in_overlap(const std::map<std::int32_t, CutBody>& bodies, std::int32_t b, std::int32_t triangle,
                    const Vec3d& middle, const TriangleContacts* contacts) {
     const CutBody& body = bodies.at(b);
-    for (const auto& [other, has_inside] : body.others) {
-        if (!has_inside) continue;
+    for (const auto& [other, both_closed] : body.others) {
+        if (!both_closed) continue;
         if (other != b && bodies.at(other).rays->at(middle) != 0) return true;
         if (other != b) continue;
         // The body overlaps itself. The ray starts at the piece and leaves on one side of it, so the winding number is

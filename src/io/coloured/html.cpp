@@ -29,7 +29,7 @@ constexpr std::string_view viewer_page =
 
 using Point = std::array<double, 3>;
 
-struct Side {
+struct PageMesh {
     const TriangleMesh* mesh;
     std::vector<std::uint8_t> hit;  ///< per triangle: 0, or 1 if it has the material `colliding`
     Material free, colliding;
@@ -46,7 +46,7 @@ constexpr Colour contact_colour{20, 20, 20};
 
 /// Contents of a page.
 struct Page {
-    std::vector<Side> sides;
+    std::vector<PageMesh> sides;
     std::vector<Point> lines, points;  ///< `lines`: two end points per line; `points`: single points of contact
     std::string caption;
     const char* line_name = "contact";
@@ -103,11 +103,11 @@ class Base64 {
 /// coordinates are halved before they are added, and divided by the extent before they are squared.
 class Normalised {
    public:
-    explicit Normalised(const std::vector<Side>& sides) {
+    explicit Normalised(const std::vector<PageMesh>& sides) {
         Point low, high;
         low.fill(std::numeric_limits<double>::infinity());
         high.fill(-std::numeric_limits<double>::infinity());
-        for (const Side& side : sides) {
+        for (const PageMesh& side : sides) {
             for (std::size_t i = 0; i < side.mesh->triangles.size(); ++i) {
                 const Point p = corner_of(*side.mesh, i);
                 for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -153,9 +153,9 @@ void member(Sink& sink, const char* before, const char* name, Write write) {
 
 /// Calls take(side, corner) for the corners of all triangles: first those of opaque triangles, then the others.
 template <class Take>
-void for_each_corner(const std::vector<Side>& sides, Take take) {
+void for_each_corner(const std::vector<PageMesh>& sides, Take take) {
     for (const bool translucent : {false, true})
-        for (const Side& side : sides)
+        for (const PageMesh& side : sides)
             for (std::size_t i = 0; i < side.mesh->triangles.size(); ++i)
                 if ((side.material(i / 3).opacity < 1) == translucent) take(side, i);
 }
@@ -164,12 +164,12 @@ void write_data(Sink& sink, const Page& page) {
     const Normalised normalised(page.sides);
     member(sink, "{", "corners", [&](Base64& out) {
         for_each_corner(page.sides,
-                        [&](const Side& side, std::size_t i) { normalised.write(out, corner_of(*side.mesh, i)); });
+                        [&](const PageMesh& side, std::size_t i) { normalised.write(out, corner_of(*side.mesh, i)); });
     });
     std::int64_t opaque = 0;
     double opacity = 1;
     member(sink, ", ", "colours", [&](Base64& out) {
-        for_each_corner(page.sides, [&](const Side& side, std::size_t i) {
+        for_each_corner(page.sides, [&](const PageMesh& side, std::size_t i) {
             const Material& material = side.material(i / 3);
             out.colour(material.colour);
             material.opacity < 1 ? void(opacity = material.opacity) : void(++opaque);
@@ -248,7 +248,7 @@ void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh*
     if (second)
         page.sides.push_back({second, hit_triangles(*second, collisions.hit_second), of_second[0], of_second[1]});
     std::size_t triangles = 0;
-    for (const Side& side : page.sides) triangles += side.hit.size();
+    for (const PageMesh& side : page.sides) triangles += side.hit.size();
     const std::size_t faces = collisions.hit.size() + (second ? collisions.hit_second.size() : 0);
     page.caption = grouped(static_cast<std::int64_t>(collisions.pairs.size())) + " colliding pairs of " +
                    grouped(static_cast<std::int64_t>(faces)) + (faces == triangles ? " triangles" : " polygons");
@@ -259,7 +259,7 @@ void write_html(std::ostream& out, const TriangleMesh& mesh, const TriangleMesh*
 void write_overlap_html(std::ostream& out, const ColouredMesh& coloured, std::vector<std::array<double, 3>> lines,
                         const std::string& caption) {
     Page page;
-    Side side{&coloured.mesh, coloured.hit, coloured.materials[0], coloured.materials[1]};
+    PageMesh side{&coloured.mesh, coloured.hit, coloured.materials[0], coloured.materials[1]};
     side.colliding.name = "inside another body";
     page.sides.push_back(std::move(side));
     page.lines = std::move(lines);

@@ -48,7 +48,7 @@ class ListWriter {
 /// Description of the table that a file must hold, and the functions that consume its rows or arrays.
 struct ListReader {
     RowTable rows;  ///< for .txt and .csv
-    TakeRow consume_row;
+    ConsumeRow consume_row;
     std::vector<ListArray> arrays;  ///< for .json and .npz
     std::function<void(const NumbersByName&)> consume_arrays;
     bool reads_npy = false;  ///< true if .npy files are accepted; they hold arrays[0]

@@ -73,10 +73,10 @@ std::string csv_cell(std::string_view text);
 
 /// Callback that consumes a row that has been read. Returns a message that says what is wrong with the row, or an empty
 /// text.
-using TakeRow = std::function<std::string(std::size_t section, std::span<const ListValue> values)>;
+using ConsumeRow = std::function<std::string(std::size_t section, std::span<const ListValue> values)>;
 
 /// Read all rows. Throw Error (format) that names the line.
-void read_txt_rows(const Source& source, const RowTable& table, const TakeRow& take);
-void read_csv_rows(const Source& source, const RowTable& table, const TakeRow& take);
+void read_txt_rows(const Source& source, const RowTable& table, const ConsumeRow& take);
+void read_csv_rows(const Source& source, const RowTable& table, const ConsumeRow& take);
 
 }  // namespace crumple::io

@@ -33,7 +33,7 @@ std::optional<ListId> id_of(std::string_view word, bool may_have_body) {
 
 class RowReader {
    public:
-    RowReader(const Source& source, const RowTable& table, const TakeRow& take)
+    RowReader(const Source& source, const RowTable& table, const ConsumeRow& take)
         : source_(source), table_(table), take_(take) {}
 
     void read_txt() {
@@ -191,7 +191,7 @@ class RowReader {
 
     const Source& source_;
     const RowTable& table_;
-    const TakeRow& take_;
+    const ConsumeRow& take_;
     const char* line_ = nullptr;
     std::vector<std::string_view> words_, picked_;
     std::deque<std::string> unquoted_;  ///< words that stood in quotes
@@ -200,10 +200,10 @@ class RowReader {
 
 }  // namespace
 
-void read_txt_rows(const Source& source, const RowTable& table, const TakeRow& take) {
+void read_txt_rows(const Source& source, const RowTable& table, const ConsumeRow& take) {
     RowReader(source, table, take).read_txt();
 }
-void read_csv_rows(const Source& source, const RowTable& table, const TakeRow& take) {
+void read_csv_rows(const Source& source, const RowTable& table, const ConsumeRow& take) {
     RowReader(source, table, take).read_csv();
 }
 

@@ -20,18 +20,18 @@ void Faces::begin_polygons() {
 
 void Faces::end_polygon() {
     const auto index = static_cast<std::int32_t>(polygons_.offsets.size() - 1);
-    if (corners_ > 3) to_cut_.push_back({index, place_});
+    if (corners_ > 3) to_triangulate_.push_back({index, place_});
     polygons_.offsets.push_back(static_cast<std::int64_t>(polygons_.corners.size()));
     polygons_.of_triangle.resize(triangles_.size() / 3, index);
 }
 
-/// Triangulates the polygons of `to_cut_`. Polygons that cross themselves remain fans; the result counts them.
-Tally Faces::cut_polygons(const std::function<Vec3d(std::int32_t)>& point) {
+/// Triangulates the polygons of `to_triangulate_`. Polygons that cross themselves remain fans; the result counts them.
+WarningTally Faces::cut_polygons(const std::function<Vec3d(std::int32_t)>& point) {
     Triangulator triangulator;
     std::vector<Vec3d> points;
     std::vector<std::int32_t> local;
-    Tally crossing;
-    for (const Polygon& polygon : to_cut_) {
+    WarningTally crossing;
+    for (const Polygon& polygon : to_triangulate_) {
         const auto i = static_cast<std::size_t>(polygon.index);
         const auto begin = static_cast<std::size_t>(polygons_.offsets[i]);
         const std::size_t corners = static_cast<std::size_t>(polygons_.offsets[i + 1]) - begin;

@@ -48,14 +48,14 @@ class Faces {
     /// warnings name lines of the file, false if they name bytes. Call once: it moves the faces out.
     template <class Scalar>
     TriangleMesh mesh(std::vector<Scalar>&& vertices, Triangulation triangulation, Warnings& warnings, bool lines) {
-        const auto warn = [&](const Tally& faces, const std::string& what) {
+        const auto warn = [&](const WarningTally& faces, const std::string& what) {
             if (faces.count == 0) return;
             const std::string sentence = what + faces.others();
             lines ? warnings.at_line(faces.first, sentence) : warnings.at_byte(faces.first, sentence);
         };
         warn(left_out_, "a face has less than three corners and is left out");
         if (triangulation == Triangulation::ears) {
-            const Tally crossing = cut_polygons([&](std::int32_t corner) {
+            const WarningTally crossing = cut_polygons([&](std::int32_t corner) {
                 const Scalar* const p = &vertices[3 * static_cast<std::size_t>(corner)];
                 return Vec3d{double{p[0]}, double{p[1]}, double{p[2]}};
             });
@@ -78,12 +78,12 @@ class Faces {
     }
     void begin_polygons();
     void end_polygon();
-    Tally cut_polygons(const std::function<Vec3d(std::int32_t)>& point);
+    WarningTally cut_polygons(const std::function<Vec3d(std::int32_t)>& point);
 
     std::vector<std::int32_t> triangles_;
     Polygons polygons_;
-    std::vector<Polygon> to_cut_;  ///< polygons of more than three corners
-    Tally left_out_;
+    std::vector<Polygon> to_triangulate_;  ///< polygons of more than three corners
+    WarningTally left_out_;
     bool has_polygons_ = false;
     const char* place_ = nullptr;
     std::int64_t corners_ = 0;  ///< number of corners of the current face so far

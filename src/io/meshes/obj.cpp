@@ -45,7 +45,7 @@ class ObjReader {
           furthest_place_(source.begin()) {}
 
     TriangleMesh read() {
-        Tally unknown;
+        WarningTally unknown;
         std::string first_unknown;
         for (; in_.next_line_with_items(); in_.skip_line()) {
             const char* const place = in_.position();

@@ -163,7 +163,7 @@ class Reader {
     }
 
     void warn() {
-        const auto tell = [&](const GltfMeshes::Left& left, const char* what) {
+        const auto tell = [&](const GltfMeshes::Unsupported& left, const char* what) {
             if (!left.count) return;
             const std::string more = left.count > 1 ? ", and " + std::to_string(left.count - 1) + " more like it" : "";
             warnings_.of_file(left.first + ' ' + what + more);
@@ -184,7 +184,7 @@ class Reader {
     std::size_t nodes_ = 0;
     std::vector<Pose> poses_;
     std::vector<bool> seen_;
-    GltfMeshes::Left skins_, instances_;
+    GltfMeshes::Unsupported skins_, instances_;
     std::int64_t not_in_scene_ = 0;
 };
 

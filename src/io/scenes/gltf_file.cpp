@@ -189,7 +189,7 @@ GltfElements GltfFile::elements_in_view(const GltfObject& from, std::int64_t cou
 /// Copies the elements of an accessor, or makes zeros if it has no buffer view, and replaces those that its member
 /// `sparse` lists. Points `elements` to the copy. `size`: bytes of an element.
 void GltfFile::replace_some(GltfElements& elements, const GltfObject& sparse, std::size_t size) {
-    if (static_cast<std::uint64_t>(elements.count) > (most_expanded(bytes_read_) - replaced_bytes_) / size)
+    if (static_cast<std::uint64_t>(elements.count) > (expansion_limit(bytes_read_) - replaced_bytes_) / size)
         sparse.fail("replaces elements that expand beyond measure: they are " + std::string(expansion_rule));
     std::string& bytes = replaced_.emplace_back(static_cast<std::size_t>(elements.count) * size, '\0');
     replaced_bytes_ += bytes.size();

@@ -25,14 +25,14 @@ class GltfMeshes {
 
     // Unsupported objects of one kind, which are left out: the place of the first one in the description, and their
     // number.
-    struct Left {
+    struct Unsupported {
         std::string first;
         std::int64_t count = 0;
         void add(const std::string& place) {
             if (count++ == 0) first = place;
         }
     };
-    Left points_and_lines, without_positions, morph_targets;
+    Unsupported points_and_lines, without_positions, morph_targets;
 
    private:
     enum Mode : std::int64_t { triangles = 4, strip = 5, fan = 6 };

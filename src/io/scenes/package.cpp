@@ -35,7 +35,7 @@ std::string part_named(std::string_view reference) {
 }
 
 Package::Package(const Source& source, const std::string& kind)
-    : source_(source), archive_(source, kind), most_expanded_(most_expanded(source.text().size())) {}
+    : source_(source), archive_(source, kind), most_expanded_(expansion_limit(source.text().size())) {}
 
 void Package::read(const std::string& part, XmlReader& reader) {
     const auto fail = [&](const std::string& what) {

@@ -64,7 +64,7 @@ void ContainedBodies::add(ParallelFor& workers, std::span<const BodyPair> pairs,
             if (!is_decided[slot[casts[i].ray.of]].load(std::memory_order_relaxed)) rays.push_back(casts[i].ray);
         if (rays.empty()) return;
         Array<Vec3d> points(&meter_);
-        cast(rays.span(), bodies_.place(casts[first[task]].through, points), Shift::forward, cancellation_);
+        cast_rays(rays.span(), bodies_.place(casts[first[task]].through, points), Shift::forward, cancellation_);
         for (const WindingRay& ray : rays) {
             if (ray.winding == 0) continue;
             contained[ray.of].store(true, std::memory_order_relaxed);
@@ -94,7 +94,7 @@ ContainedBodies::Casts ContainedBodies::casts_of(ParallelFor& workers, std::span
     });
     Casts all(&meter_);
     for (const Casts& some : of_task)
-        for (const Cast& cast : some) all.push_back(cast);
+        for (const Cast& cast_rays : some) all.push_back(cast_rays);
     std::stable_sort(all.begin(), all.end(), [](const Cast& x, const Cast& y) { return x.through < y.through; });
     return all;
 }

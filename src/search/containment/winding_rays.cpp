@@ -40,7 +40,7 @@ bool misses_ray(const Vec3d& p, const FaceCorners& face) {
 
 }  // namespace
 
-void cast(std::span<WindingRay> rays, const PlacedSurface& surface, Shift shift, Cancellation& cancellation) {
+void cast_rays(std::span<WindingRay> rays, const PlacedSurface& surface, Shift shift, Cancellation& cancellation) {
     if (rays.empty()) return;
     std::sort(rays.begin(), rays.end(), [](const WindingRay& x, const WindingRay& y) { return x.from.y < y.from.y; });
     for (std::int32_t f = 0; f < surface.surface->face_count(); ++f) {

@@ -22,6 +22,6 @@ struct WindingRay {
 /// Adds to each ray the winding number at its start of a surface that is shifted infinitesimally
 /// (exact/overlap/face_crossing.h). Reorders the rays. Cost: O((m + n) log n + k) for m faces, n rays, and k pairs of a
 /// face and a ray that overlap in y.
-void cast(std::span<WindingRay> rays, const PlacedSurface& surface, Shift shift, Cancellation& cancellation);
+void cast_rays(std::span<WindingRay> rays, const PlacedSurface& surface, Shift shift, Cancellation& cancellation);
 
 }  // namespace crumple

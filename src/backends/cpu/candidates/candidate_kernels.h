@@ -24,7 +24,7 @@ using PairEnds = std::array<Pair*, candidate_kinds>;
 /// CandidateRecord has one of its features. In each round, every lane of the column is tested against one lane of the
 /// row, or against lane 7, which overlaps nothing. Together, the rounds test all pairs of the requested kinds. In masks
 /// of tests, bit 8 j + l stands for lane l of the column in round j.
-struct LaneRounds {
+struct LaneSteps {
     static constexpr int most = 7;
     int count = 0;
     std::uint8_t row[most][candidate_lanes];  ///< by round and lane of the column: lane of the row
@@ -40,14 +40,14 @@ struct LaneRounds {
 
     bool has_impact_kinds_only = false;  ///< true if exactly vertex_face and edge_edge are requested
 
-    explicit LaneRounds(const RequestedKinds& kinds = {});
+    explicit LaneSteps(const RequestedKinds& kinds = {});
 };
 
 /// Writes the pairs that the bits stand for, and advances `next`.
-inline void list_pairs(std::uint64_t bits, const LaneRounds& rounds, const CandidateRecord& a, const CandidateRecord& b,
+inline void list_pairs(std::uint64_t bits, const LaneSteps& rounds, const CandidateRecord& a, const CandidateRecord& b,
                        PairEnds& next) {
     for (; bits; bits &= bits - 1) {
-        const LaneRounds::Listed& listed = rounds.listed[std::countr_zero(bits)];
+        const LaneSteps::Listed& listed = rounds.listed[std::countr_zero(bits)];
         const std::int32_t of_row = a.id[listed.row], of_column = b.id[listed.column];
         const bool swapped = listed.column_first || (listed.lesser_first && of_column < of_row);
         *next[listed.kind]++ = swapped ? Pair{of_column, of_row} : Pair{of_row, of_column};
@@ -69,7 +69,7 @@ struct CandidateKernels {
     /// `unsure`, and returns their number. `record`: by physical row. May write one more element of `unsure`, and eight
     /// more pairs of each kind.
     std::size_t (*find)(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
-                        std::int64_t end, const LaneRounds& rounds, PairEnds& next, UncertainTests* unsure);
+                        std::int64_t end, const LaneSteps& rounds, PairEnds& next, UncertainTests* unsure);
 };
 
 /// Returns the table of an instruction set. Throws Error (backend_unavailable) if the build or the machine lacks it.

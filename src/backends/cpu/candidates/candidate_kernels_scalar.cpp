@@ -18,7 +18,7 @@ float gap(const CandidateRecord& a, int lane_a, const CandidateRecord& b, int la
 }
 
 std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin, std::int64_t end,
-                 const LaneRounds& rounds, PairEnds& next, UncertainTests* unsure) {
+                 const LaneSteps& rounds, PairEnds& next, UncertainTests* unsure) {
     const CandidateRecord* rows = record + candidates.rows;
     const CandidateRecord* columns = record + candidates.columns;
     std::size_t count = 0;
@@ -28,7 +28,7 @@ std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates
         const CandidateRecord &a = rows[i], &b = columns[j];
         std::uint64_t overlap = 0, equal = 0;
         for (int bit = 0; bit < 8 * rounds.count; ++bit) {
-            const LaneRounds::Listed& lanes = rounds.listed[bit];
+            const LaneSteps::Listed& lanes = rounds.listed[bit];
             if (lanes.row == 7) continue;
             const float between = gap(a, lanes.row, b, lanes.column);
             overlap |= std::uint64_t{between <= 0} << bit;
@@ -44,7 +44,7 @@ std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates
 
 }  // namespace
 
-LaneRounds::LaneRounds(const RequestedKinds& kinds) {
+LaneSteps::LaneSteps(const RequestedKinds& kinds) {
     has_impact_kinds_only = kinds == RequestedKinds{true, true};
     for (auto& lanes : row) std::fill_n(lanes, candidate_lanes, std::uint8_t{7});
     for (int column = 0; column < most; ++column) {

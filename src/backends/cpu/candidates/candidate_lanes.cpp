@@ -31,9 +31,9 @@ using D = hn::CappedTag<float, candidate_lanes>;
 
 // Boxes of a row's lanes, by round: in the order in which the lanes of a column are tested against them.
 struct ScheduledRow {
-    alignas(64) float low[LaneRounds::most][3][candidate_lanes], high[LaneRounds::most][3][candidate_lanes];
+    alignas(64) float low[LaneSteps::most][3][candidate_lanes], high[LaneSteps::most][3][candidate_lanes];
 
-    HWY_INLINE void read(const CandidateRecord& a, const LaneRounds& rounds) {
+    HWY_INLINE void read(const CandidateRecord& a, const LaneSteps& rounds) {
         for (int j = 0; j < rounds.count; ++j) {
             const std::uint8_t* lanes = rounds.row[j];
             for (int axis = 0; axis < 3; ++axis) {
@@ -79,7 +79,7 @@ HWY_INLINE std::size_t shared_corners(const CandidateRecord& a, const CandidateR
 // Runs the tests round by round. `known`: the number of rounds if known at compile time, else 0.
 template <int known>
 HWY_INLINE std::size_t find_by_schedule(const CandidateRecord* record, const CandidateChunk& candidates,
-                                        std::int64_t begin, std::int64_t end, const LaneRounds& rounds, PairEnds& ends,
+                                        std::int64_t begin, std::int64_t end, const LaneSteps& rounds, PairEnds& ends,
                                         UncertainTests* unsure) {
     const D d;
     const auto zero = hn::Zero(d);
@@ -140,7 +140,7 @@ struct ImpactKindTests {
                     incident[shared] = static_cast<std::uint16_t>(incident[shared] | 1 << bit);
     }
     /// Converts bits of Impacts to bits of Rounds.
-    std::uint64_t in_schedule(unsigned bits, const LaneRounds& rounds) const {
+    std::uint64_t in_schedule(unsigned bits, const LaneSteps& rounds) const {
         std::uint64_t out = 0;
         for (; bits; bits &= bits - 1) {
             const int slot = std::countr_zero(bits);
@@ -155,7 +155,7 @@ struct ImpactKindTests {
 // Runs all tests first, then writes the pairs: overlaps are unpredictable, and a branch for each candidate, or for each
 // pair, would cost more than a second pass.
 std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
-                         std::int64_t end, const LaneRounds& rounds, PairEnds& ends, UncertainTests* unsure) {
+                         std::int64_t end, const LaneSteps& rounds, PairEnds& ends, UncertainTests* unsure) {
     static const ImpactKindTests impacts;
     const hn::FixedTag<float, 16> d;
     const hn::FixedTag<std::int32_t, 16> di;
@@ -234,7 +234,7 @@ std::size_t find_impacts(const CandidateRecord* record, const CandidateChunk& ca
 #endif
 
 std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin, std::int64_t end,
-                 const LaneRounds& rounds, PairEnds& next, UncertainTests* unsure) {
+                 const LaneSteps& rounds, PairEnds& next, UncertainTests* unsure) {
 #if HWY_TARGET <= HWY_AVX3
     if (rounds.has_impact_kinds_only) return find_impacts(record, candidates, begin, end, rounds, next, unsure);
 #endif

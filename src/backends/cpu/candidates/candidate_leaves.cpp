@@ -43,7 +43,7 @@ CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const Candidat
 void CandidateLeaves::ask(const FeatureRequest& query) {
     query_ = &query;
     stream_ = nullptr;
-    rounds_ = LaneRounds(query.kinds);
+    rounds_ = LaneSteps(query.kinds);
 }
 
 void CandidateLeaves::begin(const Call& call) {
@@ -223,7 +223,7 @@ void CandidateLeaves::list(const UncertainTests& hit, const CandidateRecord& a, 
     std::uint64_t overlaps = 0;
     for (std::uint64_t bits = hit.bits; bits; bits &= bits - 1) {
         const int bit = std::countr_zero(bits);
-        const LaneRounds::Listed& lanes = rounds_.listed[bit];
+        const LaneSteps::Listed& lanes = rounds_.listed[bit];
         if (inflated_boxes_overlap(box(a, lanes.row), box(b, lanes.column), query_->distance))
             overlaps |= std::uint64_t{1} << bit;
     }

@@ -81,7 +81,7 @@ class CandidateLeaves final : public LeafQuery {
     const FeatureRequest* query_ = nullptr;
     FeatureStream* stream_ = nullptr;  ///< null: candidates stay with the workers
     Normaliser normaliser_;
-    LaneRounds rounds_;
+    LaneSteps rounds_;
 };
 
 }  // namespace crumple::cpu

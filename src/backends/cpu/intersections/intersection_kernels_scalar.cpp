@@ -43,8 +43,8 @@ void filter(const Record* record, const CandidateChunk& candidates, const PointR
         if (j == candidates.dummy) continue;
         const Record &a = rows[i], &b = columns[j];
         const PairSigns signs = pair_signs(a, b);
-        const PairKind kind = classify(signs, policy);
-        if (kind == PairKind::apart) continue;
+        const NextStep kind = classify(signs, policy);
+        if (kind == NextStep::apart) continue;
         ++verdicts.edge_tests;
         const Verdict verdict = filter_in_float(a, b, signs, kind, policy, points, reach);
         if (verdict == Verdict::collides) verdicts.hit[hits++] = j << 16 | i;

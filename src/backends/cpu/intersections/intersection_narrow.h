@@ -12,7 +12,7 @@
 #include "crumple/function_ref.h"
 #include "crumple/intersections.h"
 #include "exact/intersection/decide_intersection.h"
-#include "scene/rules.h"
+#include "scene/scene_filter.h"
 
 namespace crumple::cpu {
 

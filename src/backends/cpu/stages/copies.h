@@ -22,7 +22,7 @@
 #include "geometry/position_hash.h"
 #include "partition/levels.h"
 #include "scene/prepared_scene.h"
-#include "scene/rules.h"
+#include "scene/scene_filter.h"
 
 namespace crumple::cpu {
 

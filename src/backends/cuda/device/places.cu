@@ -36,7 +36,7 @@ std::string wrong_place(const void* array, int device) {
 
 }  // namespace
 
-void Places::look(Known& known, const char* name, const char* which, const void* array, bool empty) const {
+void ReadableArrays::look(Known& known, const char* name, const char* which, const void* array, bool empty) const {
     if (empty || array == known.array) return;
     known = {};
     if (const std::string where = wrong_place(array, device_); !where.empty()) {
@@ -48,9 +48,9 @@ void Places::look(Known& known, const char* name, const char* which, const void*
     known = {array};
 }
 
-void Places::check(const char* name, const void* array) { look(known_[8], name, "", array, false); }
+void ReadableArrays::check(const char* name, const void* array) { look(known_[8], name, "", array, false); }
 
-void Places::check(const MeshView& a, const MeshView* b) {
+void ReadableArrays::check(const MeshView& a, const MeshView* b) {
     const std::array<const MeshView*, 2> meshes{&a, b};
     for (std::size_t side = 0; side < (b ? 2u : 1u); ++side) {
         const MeshView& mesh = *meshes[side];
@@ -61,7 +61,7 @@ void Places::check(const MeshView& a, const MeshView* b) {
     }
 }
 
-void Places::check(const Shape& shape) {
+void ReadableArrays::check(const Shape& shape) {
     check(MeshView(shape.vertices, shape.triangles, shape.groups), nullptr);
     look(known_[3], "vertices at the end", "", shape.end.data, shape.end.rows == 0);
     look(known_[4], "vertices at rest", "", shape.rest.data, shape.rest.rows == 0);

@@ -11,9 +11,9 @@
 
 namespace crumple::cuda {
 
-class Places {
+class ReadableArrays {
    public:
-    explicit Places(int device) : device_(device) {}
+    explicit ReadableArrays(int device) : device_(device) {}
 
     /// Throws Error (invalid_argument) that names the first array that the device cannot read. The addresses of the
     /// previous call are cached, so a frame whose arrays have not moved costs no CUDA call.

@@ -203,7 +203,7 @@ bool Finder::accept_replay() {
         complete = accept();
     } catch (const MeshChanged&) {  // a caller's graph cannot be given the new mesh's features
     }
-    if (!complete) has_grown_ = std::exchange(stages_.plan, slot().plan);
+    if (!complete) has_reallocated_ = std::exchange(stages_.plan, slot().plan);
     return complete;
 }
 
@@ -238,7 +238,7 @@ void Finder::bind() {
 }
 
 void Finder::plan() {
-    if (has_grown_) stages_.plan = *std::exchange(has_grown_, std::nullopt);
+    if (has_reallocated_) stages_.plan = *std::exchange(has_reallocated_, std::nullopt);
     const SceneKind kind{scene().triangle_count(), scene().between, scene().worlds, all_kinds()};
     if (planned_for_ != kind) choose_plan(stages_.plan);
     planned_for_ = kind;
@@ -311,7 +311,7 @@ void Finder::release() {
     warm_starts_.release();
     graphs_.clear();
     planned_for_ = {};
-    has_grown_.reset();
+    has_reallocated_.reset();
     too_many_ = std::numeric_limits<std::int64_t>::max();
     alone_ = false;
 }

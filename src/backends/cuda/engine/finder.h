@@ -56,7 +56,7 @@ class Finder {
     void resume(std::size_t slot);
 
     /// Finds the result and leaves its rows in the slot. Throws MeshChanged if the caller's mesh on the device differs
-    /// from the cached one (input/known_mesh.h); so does accept_launched(). Several worlds side by side are not
+    /// from the cached one (input/cached_mesh.h); so does accept_launched(). Several worlds side by side are not
     /// searched in chunks: if they do not fit, throws MemoryMeter::Exceeded.
     void find();
     /// Enqueues a whole pass on `stream`. If memory does not suffice, marks the slot as lost instead.
@@ -218,10 +218,10 @@ class Finder {
     CallersCapture capture_;
     Block warm_starts_, work_;
     SceneKind planned_for_;
-    std::size_t now_ = 0;                ///< current slot
-    std::size_t lists_of_ = nobody;      ///< slot whose pass used the lists last, or nobody
-    std::optional<Layout> layout_done_;  ///< layout of the lists as they are placed now
-    std::optional<Plan> has_grown_;      ///< plan that the last incomplete replay requires
+    std::size_t now_ = 0;                  ///< current slot
+    std::size_t lists_of_ = nobody;        ///< slot whose pass used the lists last, or nobody
+    std::optional<Layout> layout_done_;    ///< layout of the lists as they are placed now
+    std::optional<Plan> has_reallocated_;  ///< plan that the last incomplete replay requires
     bool alone_ = false;
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles of a scene that did not fit
 };

@@ -11,7 +11,7 @@ namespace {
 
 LaunchNumber Launches::launch(Finder& finder, cudaStream_t stream, cudaStream_t other,
                               FunctionRef<void(std::size_t slot, Growth growth)> bind, bool of_worlds) {
-    if (flights_.full()) refuse("two launches are in flight: the next one comes after a wait()");
+    if (launches_in_flight_.full()) refuse("two launches are in flight: the next one comes after a wait()");
     const auto bind_both = [&](std::size_t slot, Growth growth) {
         bind(slot, growth);
         if (other != stream) order(state_.before, other, stream);
@@ -21,11 +21,12 @@ LaunchNumber Launches::launch(Finder& finder, cudaStream_t stream, cudaStream_t 
         return launch_in_capture(finder, of_worlds, first == second, stream,
                                  [&] { bind_both(finder.current(), Growth::fixed); });
     end_state();
-    const std::size_t slot = finder.alone() && flights_.count() == 0 ? flights_.newest() : flights_.next();
+    const std::size_t slot =
+        finder.alone() && launches_in_flight_.count() == 0 ? launches_in_flight_.newest() : launches_in_flight_.next();
     bind_both(slot, Growth::grows);
-    flights_.queue(stream);
+    launches_in_flight_.queue(stream);
     finder.launch(stream);
-    flights_.add(slot, stream);
+    launches_in_flight_.add(slot, stream);
     return ++newest_;
 }
 
@@ -33,7 +34,7 @@ LaunchNumber Launches::launch(Finder& finder, cudaStream_t stream, cudaStream_t 
 // which becomes an Error.
 LaunchNumber Launches::launch_in_capture(Finder& finder, bool of_worlds, bool same_capture, cudaStream_t stream,
                                          FunctionRef<void()> bind) {
-    if (flights_.count() > 0) refuse("a launch in a capture comes after wait() for the one before");
+    if (launches_in_flight_.count() > 0) refuse("a launch in a capture comes after wait() for the one before");
     if (capture_is_open()) refuse("a detector's launches in a capture are one at most");
     phase_ = Phase::refused;
     reported_ = 0;
@@ -60,7 +61,7 @@ Launches::Outcome Launches::wait(Finder& finder, std::uint64_t revision) {
     if (phase_ == Phase::captured) return wait_for_replay(finder);
     end_state();
     waited_ = oldest();
-    finder.resume(flights_.complete_oldest());
+    finder.resume(launches_in_flight_.complete_oldest());
     try {
         if (finder.accept_launched(revision)) return Outcome::complete;
     } catch (const MeshChanged&) {
@@ -96,13 +97,13 @@ void Launches::end_state() {
 
 void Launches::finish() {
     end_state();
-    flights_.finish();
+    launches_in_flight_.finish();
 }
 
 void Launches::forget() {
     phase_ = Phase::idle;
     reported_ = 0;
-    flights_.forget();
+    launches_in_flight_.forget();
 }
 
 }  // namespace crumple::cuda

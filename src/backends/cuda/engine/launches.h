@@ -15,7 +15,7 @@ static_assert(LaunchQueue::slots == most_in_flight);
 
 class Launches {
    public:
-    explicit Launches(BackendState& state) : state_(state), flights_(state.launches_in_flight) {}
+    explicit Launches(BackendState& state) : state_(state), launches_in_flight_(state.launches_in_flight) {}
 
     /// Enqueues a pass on `stream`, or adds it to the capture that the stream takes part in. bind(slot, growth) makes
     /// the finder work on a slot and binds the inputs, which are ready once the work that `stream` and `other` have so
@@ -45,7 +45,7 @@ class Launches {
     /// Drops launches in flight without waiting, if the device has failed.
     void forget();
     /// True if a caller's graph or a launch in flight needs the memory of this backend.
-    bool needs_memory() const { return phase_ == Phase::captured || flights_.count() > 0; }
+    bool needs_memory() const { return phase_ == Phase::captured || launches_in_flight_.count() > 0; }
     /// True if the last call was a launch in a capture, during which nothing may be freed, and was refused.
     bool was_refused() const { return phase_ == Phase::refused; }
 
@@ -60,13 +60,13 @@ class Launches {
                                    FunctionRef<void()> bind);
     Outcome wait_for_replay(Finder& finder);
     /// Returns the oldest launch in flight, or one more than the newest launch if none is.
-    LaunchNumber oldest() const { return newest_ + 1 - flights_.count(); }
+    LaunchNumber oldest() const { return newest_ + 1 - launches_in_flight_.count(); }
     bool capture_is_open() const;
     void refuse_open_capture() const;
     void end_state();
 
     BackendState& state_;
-    LaunchQueue& flights_;
+    LaunchQueue& launches_in_flight_;
     Phase phase_ = Phase::idle;
     LaunchNumber newest_ = 0;    ///< number of the last launch, captured or not
     LaunchNumber waited_ = 0;    ///< last launch that a wait has completed

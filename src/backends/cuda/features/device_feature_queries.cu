@@ -52,7 +52,7 @@ bool FeatureCalls::is_captured(const DeviceShape& mesh) {
 
 void FeatureCalls::copy_to_host(const DeviceShape& mesh, Copied what, HostShape& host) {
     with_device(state_.device, [&] {
-        Places(state_.device.index()).check(mesh.shape);
+        ReadableArrays(state_.device.index()).check(mesh.shape);
         state_.follow(mesh.stream, "a mesh's");
         cuda::copy_to_host(mesh.shape, what, state_.stream.get(), host);
     });

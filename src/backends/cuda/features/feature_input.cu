@@ -47,7 +47,7 @@ FirstOfKind firsts_of(const FeatureRequest& query) {
 
 void FeaturesOnDevice::replace(Growth growth) const {
     if (growth == Growth::fixed) throw CapacityError{};
-    flights_.synchronize();
+    launches_in_flight_.synchronize();
 }
 
 const FeatureTable& FeaturesOnDevice::bring(const SceneFeatures& features, std::int64_t vertices, Growth growth) {

@@ -7,7 +7,7 @@
 #include "backends/cuda/device/launch_queue.h"
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/features/feature_narrow.h"
-#include "backends/cuda/input/known_mesh.h"
+#include "backends/cuda/input/cached_mesh.h"
 #include "backends/cuda/stages/bounds.h"
 #include "queries/feature_request.h"
 
@@ -17,7 +17,7 @@ namespace crumple::cuda {
 class FeaturesOnDevice {
    public:
     FeaturesOnDevice(cudaStream_t stream, MemoryMeter& meter, const LaunchQueue& launches_in_flight)
-        : stream_(stream), flights_(launches_in_flight), block_(meter), rings_(meter) {}
+        : stream_(stream), launches_in_flight_(launches_in_flight), block_(meter), rings_(meter) {}
 
     /// Uploads the host's features or rings unless they are the cached ones. The upload is complete on return; the
     /// returned table is valid until the next call. If the cached ones have to be replaced, waits for passes in flight,
@@ -32,7 +32,7 @@ class FeaturesOnDevice {
     void replace(Growth growth) const;
 
     cudaStream_t stream_;
-    const LaunchQueue& flights_;
+    const LaunchQueue& launches_in_flight_;
     Block block_, rings_;
     FeatureTable table_;
     CachedMesh known_;

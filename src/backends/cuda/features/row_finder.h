@@ -9,7 +9,7 @@
 #include "backends/cuda/engine/finder.h"
 #include "backends/cuda/features/feature_input.h"
 #include "backends/cuda/features/rows_by_kind.h"
-#include "queries/device_answer.h"
+#include "queries/device_result.h"
 #include "queries/feature_request.h"
 
 namespace crumple::cuda {

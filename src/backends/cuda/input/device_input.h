@@ -9,14 +9,14 @@
 #include "backends/cuda/device/memory.h"
 #include "backends/cuda/device/mirror.h"
 #include "backends/cuda/device/places.h"
-#include "backends/cuda/input/known_mesh.h"
+#include "backends/cuda/input/cached_mesh.h"
 #include "backends/cuda/input/posed_worlds.h"
 #include "backends/cuda/input/worlds_side_by_side.h"
 #include "backends/cuda/stages/bounds.h"
 #include "crumple/mesh.h"
 #include "geometry/position_hash.h"
 #include "scene/prepared_scene.h"
-#include "scene/rules.h"
+#include "scene/scene_filter.h"
 
 namespace crumple::cuda {
 
@@ -88,7 +88,7 @@ class Input {
     void weld(const Geometry& geometry, cudaStream_t stream);
     void forget();
 
-    Places places_;
+    ReadableArrays places_;
     cudaStream_t stream_;
     Block block_;
     Worlds worlds_;

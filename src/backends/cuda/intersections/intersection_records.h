@@ -29,7 +29,7 @@ struct PlaneTest {
     using Buffer = GatherBuffer<Record>;
     __device__ bool keeps(bool has, const Candidate& c, Buffer& buffer) const {
         const auto [a, b] = gathered_pair(record, c.row, c.column, buffer);
-        return has && classify(pair_signs(a, b), policy) != PairKind::apart;
+        return has && classify(pair_signs(a, b), policy) != NextStep::apart;
     }
 };
 

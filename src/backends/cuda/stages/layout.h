@@ -53,7 +53,7 @@ struct Points {
 struct Counters {
     unsigned long long bad_vertex[2], bad_triangle[2];  ///< lowest invalid index in each mesh; all bits set: none
     unsigned long long bad_end, bad_radius, bad_rest;   ///< likewise: ends, radii, rest positions of one mesh
-    unsigned long long changed;      ///< an index that differs from the cached mesh (known_mesh.h); all bits set: none
+    unsigned long long changed;      ///< an index that differs from the cached mesh (cached_mesh.h); all bits set: none
     unsigned long long places[2];    ///< places to reserve for the members of each level
     unsigned long long units;        ///< units of the sweep
     unsigned long long members[2];   ///< memberships of each level

@@ -15,12 +15,12 @@ constexpr int samples_of_scene = 2048, samples_per_child = 32;  // samples for f
 void WarmStarts::cut(ArenaLayout& cutter, const Plan& plan) {
     const std::size_t children[2] = {static_cast<std::size_t>(plan.children(0)),
                                      static_cast<std::size_t>(plan.children(1))};
-    for (WarmStart* guide : {&now, &next}) {
+    for (WarmStart* warm_start : {&now, &next}) {
         for (int i = 0; i < 2; ++i) {
-            guide->centre[i] = cutter.take<Row<float>>(children[i]);
-            guide->first[i] = cutter.take<unsigned long long>(children[i] + 1);
+            warm_start->centre[i] = cutter.take<Row<float>>(children[i]);
+            warm_start->first[i] = cutter.take<unsigned long long>(children[i] + 1);
         }
-        guide->frame = cutter.take<BinnedFrame>(static_cast<std::size_t>(plan.leaves()));
+        warm_start->frame = cutter.take<BinnedFrame>(static_cast<std::size_t>(plan.leaves()));
     }
     moved[0] = cutter.take<float>(static_cast<std::size_t>(plan.worlds));
     moved[1] = cutter.take<float>(children[0]);

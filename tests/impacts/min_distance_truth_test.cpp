@@ -8,8 +8,8 @@
 #include <string>
 
 #include "exact/impact/decide_min_distance.h"
+#include "impacts/min_distance_moves.h"
 #include "impacts/scene_impacts.h"
-#include "impacts/separated_moves.h"
 
 namespace crumple {
 namespace {

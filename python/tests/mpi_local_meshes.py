@@ -13,7 +13,7 @@ COMM = MPI.COMM_WORLD
 ONE = {"backend": "cpu", "threads": 1}
 
 
-class LocalMesh(crumple.mpi.MeshShare):
+class RankMesh(crumple.mpi.LocalMesh):
     """Local mesh of a rank: the faces of a mesh that belong to this rank, with their vertices.
 
     Args:
@@ -115,7 +115,7 @@ def error_of(call, *arguments, **named):
     raise AssertionError("no error was raised")
 
 
-class LocalWorld(crumple.mpi.WorldShare):
+class RankWorld(crumple.mpi.LocalWorld):
     """Bodies of a world that belong to a rank; `whole` is the world of all ranks."""
 
     def __init__(self, shapes, distribution, poses, end_poses, self_collisions=True):
@@ -140,7 +140,7 @@ def local_world(distribution, **named):
     poses[:, :, 3] = 0.4 * random.random((8, 3))
     end_poses = poses.copy()
     end_poses[:, :, 3] += 0.2 * random.random((8, 3))
-    return LocalWorld(shapes, distribution, poses, end_poses, **named)
+    return RankWorld(shapes, distribution, poses, end_poses, **named)
 
 
 def bodies_by_turns(count):

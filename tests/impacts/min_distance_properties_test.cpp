@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "impacts/separated_moves.h"
+#include "impacts/min_distance_moves.h"
 #include "rounds.h"
 
 namespace crumple {

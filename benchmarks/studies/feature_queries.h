@@ -15,24 +15,24 @@
 
 namespace crumple::benchmark {
 
-enum class FeatureQuestion : std::uint8_t { motion, nearness };
-inline constexpr std::array feature_questions{FeatureQuestion::motion, FeatureQuestion::nearness};
-constexpr std::string_view name_of(FeatureQuestion query) {
-    return query == FeatureQuestion::motion ? "motion" : "nearness";
+enum class FeatureQueryKind : std::uint8_t { motion, nearness };
+inline constexpr std::array feature_queries{FeatureQueryKind::motion, FeatureQueryKind::nearness};
+constexpr std::string_view name_of(FeatureQueryKind query) {
+    return query == FeatureQueryKind::motion ? "motion" : "nearness";
 }
 
 /// Runs the query and returns the statistics of the call.
-const Statistics& ask(Detector& detector, const Step& step, FeatureQuestion query);
+const Statistics& ask(Detector& detector, const Step& step, FeatureQueryKind query);
 
 /// Returns a contestant with a detector of its own, which stays warm and runs the query in each call. `step` must
 /// outlive the contestant.
-Contestant asks(const Options& options, const Step& step, FeatureQuestion query, std::string name);
+Contestant asks(const Options& options, const Step& step, FeatureQueryKind query, std::string name);
 
 /// Peak memory of a new detector in one call, and memory of its result, in bytes.
 struct FeatureMemory {
     std::int64_t peak = 0, answer = 0;
 };
-FeatureMemory memory_of(const Step& step, FeatureQuestion query);
+FeatureMemory memory_of(const Step& step, FeatureQueryKind query);
 
 /// Options with which the feature studies run their queries. The first two ways exist on every machine.
 struct FeatureWay {

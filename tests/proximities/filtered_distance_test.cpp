@@ -49,7 +49,7 @@ Rational exact_square(const RationalDistance& distance) {
     return power < 0 ? Rational(quotient / unit) : Rational(quotient * unit);
 }
 
-void expect_no_contradiction(Proximity proximity, const RationalDistance& exact, const Reach& reach,
+void expect_no_contradiction(Proximity proximity, const RationalDistance& exact, const DistanceLimit& reach,
                              const Features& features) {
     if (proximity == Proximity::unknown) return;
     ASSERT_EQ(proximity == Proximity::within, exact.within(reach))
@@ -63,11 +63,12 @@ void for_reaches(double distance, Check check) {
     for (const bool strict : {false, true}) {
         for (const int steps : {-40, -10, -3, -1, 0, 1, 2, 4, 10, 40}) {
             const double a = distance + steps * distance * 0x1p-52;
-            check(Reach{a, 0, strict});
-            check(Reach{a, a * 0x1p-60, strict});
-            check(Reach{0.25 * a, 0.75 * a, strict});
+            check(DistanceLimit{a, 0, strict});
+            check(DistanceLimit{a, a * 0x1p-60, strict});
+            check(DistanceLimit{0.25 * a, 0.75 * a, strict});
         }
-        for (const double factor : {0.0, 0.5, 0.999999, 1.000001, 2.0}) check(Reach{factor * distance, 0, strict});
+        for (const double factor : {0.0, 0.5, 0.999999, 1.000001, 2.0})
+            check(DistanceLimit{factor * distance, 0, strict});
     }
 }
 
@@ -79,7 +80,7 @@ void expect_exact_results(const Features& features, Shares& shares) {
     const detail::Guess guess = detail::guess_closest(differences);
     const Vec3d g = differences.w + guess.s * differences.u + guess.t * differences.v;
     detail::Enclosure enclosure = quick.enclosure();
-    for_reaches(down, [&](const Reach& reach) {
+    for_reaches(down, [&](const DistanceLimit& reach) {
         const double radius = reach.a + reach.b;
         // Checks each filter on its own, since compare() may hide the error of one of them.
         if (differences.within(g, radius)) {

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "exact/impact/decide_min_distance.h"
-#include "impacts/separated_moves.h"
+#include "impacts/min_distance_moves.h"
 
 namespace crumple {
 namespace {

@@ -1,4 +1,4 @@
-#include "distributed/share.h"
+#include "distributed/rank_mesh.h"
 
 #include <algorithm>
 #include <bit>
@@ -74,14 +74,15 @@ class Fingerprint {
 
 }  // namespace
 
-void LocalMesh::check_shape(const MeshShare& share) {
-    if (share.mesh.triangles.rows < 0 || share.mesh.vertices.rows < 0) refuse("a share has fewer than no rows");
+void RankMesh::check_shape(const LocalMesh& share) {
+    if (share.mesh.triangles.rows < 0 || share.mesh.vertices.rows < 0)
+        refuse("the local mesh has a negative number of rows");
     check_count(share.triangle_ids, share.mesh.triangles.rows, "triangle");
     check_count(share.vertex_ids, share.mesh.vertices.rows, "vertex");
 }
 
-void LocalMesh::number(const MeshShare& share, bool triangle_ids, bool vertex_ids, std::span<const std::int64_t> counts,
-                       int rank) {
+void RankMesh::number(const LocalMesh& share, bool triangle_ids, bool vertex_ids, std::span<const std::int64_t> counts,
+                      int rank) {
     triangles_ = vertices_ = {};
     for (std::size_t r = 0; 2 * r < counts.size(); ++r) {
         if (static_cast<int>(r) < rank) triangles_.first += counts[2 * r], vertices_.first += counts[2 * r + 1];
@@ -109,7 +110,7 @@ void LocalMesh::number(const MeshShare& share, bool triangle_ids, bool vertex_id
 }
 
 template <class Read>
-void LocalMesh::with_global_index(Read read) const {
+void RankMesh::with_global_index(Read read) const {
     try {
         read();
     } catch (const Error& error) {
@@ -125,7 +126,7 @@ void LocalMesh::with_global_index(Read read) const {
     }
 }
 
-void LocalMesh::read(const MeshShare& share, ParallelFor& workers) {
+void RankMesh::read(const LocalMesh& share, ParallelFor& workers) {
     MeshView mesh = share.mesh;
     mesh.edges = {}, mesh.points = {};
     check_range(triangles_, mesh.triangles.rows, triangles_.all, "triangle", Element::triangle);
@@ -133,11 +134,11 @@ void LocalMesh::read(const MeshShare& share, ParallelFor& workers) {
     with_global_index([&] { scene_ = prepare_scene(mesh, nullptr, false, workers, buffers_); });
 }
 
-void LocalMesh::read_end(const VertexView& end, ParallelFor& workers) {
+void RankMesh::read_end(const VertexView& end, ParallelFor& workers) {
     with_global_index([&] { add_motion(end, workers, buffers_, scene_); });
 }
 
-bool LocalMesh::is_same_as_before() {
+bool RankMesh::is_same_as_before() {
     const auto m = static_cast<std::size_t>(scene_.triangle_count());
     Kept now;
     Fingerprint print;
@@ -156,6 +157,6 @@ bool LocalMesh::is_same_as_before() {
     return is_same;
 }
 
-void LocalMesh::forget() { kept_ = {}; }
+void RankMesh::forget() { kept_ = {}; }
 
 }  // namespace crumple::distribute

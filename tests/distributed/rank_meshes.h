@@ -19,7 +19,7 @@ namespace crumple::test {
 
 /// Returns the number of pairs over all ranks.
 template <class Detector>
-std::int64_t count_pairs(Detector& detector, const MeshShare& share, IntersectionQuery query = {}) {
+std::int64_t count_pairs(Detector& detector, const LocalMesh& share, IntersectionQuery query = {}) {
     query.output = Output::count;
     return detector.find(share, query).count;
 }
@@ -108,8 +108,8 @@ class MeshPiece {
             },
             whole_->vertices);
     }
-    MeshShare share() const {
-        MeshShare share;
+    LocalMesh share() const {
+        LocalMesh share;
         std::visit(
             [&](const auto& xyz) {
                 share.mesh = MeshView(xyz.data(), static_cast<std::int64_t>(xyz.size() / 3), corners.data(),

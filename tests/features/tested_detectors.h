@@ -31,14 +31,14 @@ class PrecisionNames {
 };
 
 /// One of the detectors that must all agree. Detectors are reused from soup to soup and from query to query.
-struct Tested {
+struct TestedDetector {
     std::string name;
     std::unique_ptr<Detector> detector;
 };
 
-inline const std::vector<Tested>& tested() {
-    static const std::vector<Tested> all = [] {
-        std::vector<Tested> list;
+inline const std::vector<TestedDetector>& tested() {
+    static const std::vector<TestedDetector> all = [] {
+        std::vector<TestedDetector> list;
         const auto add = [&](const std::string& name, Options options) {
             options.backend = tested_backend;
             try {
@@ -65,7 +65,8 @@ inline Detector& reference() {
 }
 
 template <class Scalar>
-void expect_impacts(const MovingSoup<Scalar>& soup, const ImpactQuery& given, std::span<const Tested> by = tested()) {
+void expect_impacts(const MovingSoup<Scalar>& soup, const ImpactQuery& given,
+                    std::span<const TestedDetector> by = tested()) {
     ImpactQuery query = given;
     query.index = true;
     const Impacts& expected = reference().find(soup.view().moving_to(soup.end_view()), query);

@@ -1,4 +1,4 @@
-#include "mpi/world_share.h"
+#include "mpi/local_world.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -15,7 +15,7 @@ BorrowedLocalWorld::BorrowedLocalWorld(nb::handle world, nb::handle body_ids)
 }
 
 void bind_local_world(nb::module_& module) {
-    nb::class_<BorrowedLocalWorld>(module, "WorldShare", "Local bodies of a rank.")
+    nb::class_<BorrowedLocalWorld>(module, "LocalWorld", "Local bodies of a rank.")
         .def(nb::init<nb::handle, nb::handle>(), "world"_a, "body_ids"_a.none());
 }
 

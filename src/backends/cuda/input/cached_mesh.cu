@@ -1,4 +1,4 @@
-#include "backends/cuda/input/known_mesh.h"
+#include "backends/cuda/input/cached_mesh.h"
 
 #include "backends/cuda/input/index_reader.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "exact/integer.h"
-#include "impacts/separated_moves.h"
+#include "impacts/min_distance_moves.h"
 
 namespace crumple {
 namespace {

@@ -1,4 +1,4 @@
-#include "studies/feature_questions.h"
+#include "studies/feature_queries.h"
 
 #include "crumple/error.h"
 
@@ -29,18 +29,18 @@ FeatureMemory memory_of(const Answer& answer) {
 
 }  // namespace
 
-const Statistics& ask(Detector& detector, const Step& step, FeatureQuestion query) {
-    return query == FeatureQuestion::motion ? impacts(detector, step).statistics : nearby(detector, step).statistics;
+const Statistics& ask(Detector& detector, const Step& step, FeatureQueryKind query) {
+    return query == FeatureQueryKind::motion ? impacts(detector, step).statistics : nearby(detector, step).statistics;
 }
 
-Contestant asks(const Options& options, const Step& step, FeatureQuestion query, std::string name) {
+Contestant asks(const Options& options, const Step& step, FeatureQueryKind query, std::string name) {
     const auto detector = std::make_shared<Detector>(options);
     return {std::move(name), "", "", [=, &step] { ask(*detector, step, query); }, {}};
 }
 
-FeatureMemory memory_of(const Step& step, FeatureQuestion query) {
+FeatureMemory memory_of(const Step& step, FeatureQueryKind query) {
     Detector detector;
-    return query == FeatureQuestion::motion ? memory_of(impacts(detector, step)) : memory_of(nearby(detector, step));
+    return query == FeatureQueryKind::motion ? memory_of(impacts(detector, step)) : memory_of(nearby(detector, step));
 }
 
 std::vector<FeatureWay> feature_ways() {

@@ -19,7 +19,7 @@ class BorrowedLocalWorld {
     /// `world` is a crumple.World; `body_ids` may be None.
     BorrowedLocalWorld(nanobind::handle world, nanobind::handle body_ids);
 
-    WorldShare view() const { return {{bodies_->shapes, bodies_->bodies, at_start_, at_end_}, ids_.view()}; }
+    LocalWorld view() const { return {{bodies_->shapes, bodies_->bodies, at_start_, at_end_}, ids_.view()}; }
 
    private:
     std::shared_ptr<const Bodies> bodies_;

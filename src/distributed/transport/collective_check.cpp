@@ -1,4 +1,4 @@
-#include "distributed/transport/agreement.h"
+#include "distributed/transport/collective_check.h"
 
 #include <array>
 #include <limits>
@@ -48,7 +48,7 @@ bool is_error(const std::exception_ptr& failed) {
 
 }  // namespace
 
-void CollectiveCheck::settle(const std::exception_ptr& failed) {
+void CollectiveCheck::throw_if_any_failed(const std::exception_ptr& failed) {
     std::optional<Error> mine;
     if (failed) mine = error_of(failed);
     // Finds the least key (index, -bytes needed, rank), number by number; a rank with a larger number drops out.

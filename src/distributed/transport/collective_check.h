@@ -35,7 +35,7 @@ class CollectiveCheck {
         } catch (...) {
             failed = std::current_exception();
         }
-        settle(failed);
+        throw_if_any_failed(failed);
     }
 
     /// Called at the beginning of each check: if it throws, the call ends on all ranks. For polls, and for tests that
@@ -43,7 +43,7 @@ class CollectiveCheck {
     std::function<void(Phase)> before;
 
    private:
-    void settle(const std::exception_ptr& failed);
+    void throw_if_any_failed(const std::exception_ptr& failed);
     Error share(const std::optional<Error>& mine, int root);
 
     Transport& transport_;
