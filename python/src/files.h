@@ -13,7 +13,7 @@
 namespace crumple::python {
 
 /// Returns (vertices, faces, groups or None, polygons or None): NumPy arrays, which take over the memory of the mesh.
-nanobind::tuple give(io::TriangleMesh&& mesh);
+nanobind::tuple to_numpy(io::TriangleMesh&& mesh);
 
 /// Copies a mesh for the writers of files. Throws Error if its arrays are in CUDA memory.
 io::TriangleMesh copy_of(const MeshView& view);
@@ -23,7 +23,7 @@ io::Unit unit_of(nanobind::handle unit);
 nanobind::object name_of_unit(io::Unit unit);
 
 /// Converts text to a Python str. Bytes that are not valid UTF-8, as file names may have, become escapes such as \x80.
-nanobind::object shown(const std::string& text);
+nanobind::object to_str(const std::string& text);
 
 /// Returns whether the process waits at exit until the file at this path is written. It waits for a regular file, so
 /// that no temporary file is left. Other targets, such as pipes, have no temporary file, and writing them may never

@@ -29,7 +29,7 @@ using Column = nb::ndarray<const Number, nb::shape<-1>, nb::c_contig, nb::device
 using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
 // Returns a NumPy array (n, 3, 4) that owns the poses, which are moved, not copied.
-nb::object give(std::vector<Pose>&& poses) {
+nb::object to_numpy(std::vector<Pose>&& poses) {
     import_numpy();
     const auto shared = new std::vector<Pose>(std::move(poses));
     const nb::capsule owner(shared, [](void* p) noexcept { delete static_cast<std::vector<Pose>*>(p); });
@@ -56,12 +56,12 @@ nb::tuple read_world(nb::handle path, nb::handle precision, nb::handle weld, nb:
     poses.reserve(world.bodies.size());
     for (const io::NamedBody& body : world.bodies) {
         of.append(body.shape);
-        names.append(shown(body.name));
+        names.append(to_str(body.name));
         poses.push_back(body.pose);
     }
-    for (io::TriangleMesh& shape : world.shapes) shapes.append(python::give(std::move(shape)));
-    for (const std::string& warning : world.warnings) warnings.append(shown(warning));
-    return nb::make_tuple(shapes, of, names, give(std::move(poses)), warnings, name_of_unit(world.unit));
+    for (io::TriangleMesh& shape : world.shapes) shapes.append(python::to_numpy(std::move(shape)));
+    for (const std::string& warning : world.warnings) warnings.append(to_str(warning));
+    return nb::make_tuple(shapes, of, names, to_numpy(std::move(poses)), warnings, name_of_unit(world.unit));
 }
 
 nb::object read_poses(nb::handle path, const std::vector<std::string>& names) {
@@ -71,7 +71,7 @@ nb::object read_poses(nb::handle path, const std::vector<std::string>& names) {
         const WithoutGil released;
         poses = io::read_poses(from, names);
     }
-    return give(std::move(poses));
+    return to_numpy(std::move(poses));
 }
 
 // Copies a world for the writers of files: its shapes, and the current contents of `poses`.
@@ -167,7 +167,7 @@ void write_coloured_overlaps(nb::handle path, nb::handle world, nb::handle poses
 
 nb::tuple posed_mesh(nb::handle world, nb::handle poses, const std::vector<std::string>& names) {
     const io::WorldMesh mesh = copy_of(world, poses, names);
-    return python::give(io::posed_mesh(mesh));
+    return python::to_numpy(io::posed_mesh(mesh));
 }
 
 }  // namespace

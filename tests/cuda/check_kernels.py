@@ -21,7 +21,7 @@ OTHER_STACKS = 16
 # Most registers of a thread, by a part of the kernel's name; the first name that matches counts. With 32 registers eight
 # blocks of 256 threads fit on a multiprocessor, with 40 six, 48 five, 64 four, 80 three. Kernels of feature queries read
 # six corners (a trajectory) per triangle, twice as many per pair. Those of candidates write a record of 64 words at once.
-REGISTERS = {"SeparatingAxisTest": 120, "FeatureRows": 96, "CandidateRows": 120, "widened_bounds": 72, "WidenedILi2": 72,
+REGISTERS = {"SeparatingAxisTest": 120, "FeatureMemberRows": 96, "CandidateMembers": 120, "widened_bounds": 72, "WidenedILi2": 72,
              "exact_kernel": 255, "contact_kernel": 255, "close_kernel": 255, "decide_kernel": 255, "codimensional_tests_kernel": 80,
              "list_kernel": 80, "pack_kernel": 64, "pair_kernel": 80, "within_kernel": 64, "sweep_kernel": 64,
              "filter_kernel": 80, "frame_kernel": 128, "DeviceScanKernel": 128, "bin_kernel": 48, "offsets_kernel": 56, "place_kernel": 72,
@@ -34,7 +34,7 @@ WIDE_LOADS = {"OverlapAlone": 3, "sweep_kernel": 11, "filter_kernel": 20, "bin_k
 # kinds of contacts, rarely used ones that read coordinates in any layout, those that decide about features, which check
 # alignment at run time, and those that read flags of the features that a triangle owns.
 BYTES = re.compile(r"(check|bounds|join|corners|rest)_kernelI\w*Lb0E|(exact|contact|gather|part|weld|fill_table)_kernel|HostContact"
-                   r"|(decide|close|pack|listed|pair|within)_kernel|(Feature|Candidate)Rows")
+                   r"|(decide|close|pack|codimensional_tests|pair|within)_kernel|FeatureMemberRows|CandidateMembers")
 
 
 def kernels(ptx_file, nvcc, source, folder):

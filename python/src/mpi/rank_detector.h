@@ -56,7 +56,7 @@ class RankDetector {
 
    private:
     template <class Work>
-    auto alone(Work work);
+    auto run_exclusively(Work work);
     void poll();
     void show(const DistributedProgress& progress);
 
