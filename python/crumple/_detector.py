@@ -239,7 +239,8 @@ class Detector(_core.Detector):
         if excluded is not None:
             excluded = excluded_in(scene, query.filter)
         try:
-            return getattr(self, method)(scene, query, excluded, *more)
+            call = getattr(self, method)
+            return call(scene, query, excluded, *more) if more else call(scene, query, excluded)
         except InvalidInput as error:
             raise with_names(scene, error) from error.__cause__
 

@@ -180,7 +180,7 @@ def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) ->
     requests = query._requests  # cached, because callers use a query many times
     if requests is None:
         requests = query.__dict__["_requests"] = {}
-    key = (type(scene), copy, block)
+    key = (type(scene), copy, block) if copy or block else type(scene)
     request = requests.get(key)
     if request is None:
         request = requests[key] = _request_of(query, kind_of(scene), copy, block)
