@@ -131,7 +131,7 @@ std::array<Summary, stage_count> stages(const Settings& settings, Detector& dete
 /// The sum of the stages' times exceeds the frame's time, because only the frame is launched as a graph.
 nlohmann::json bounds(const DeviceLimits& limits, const std::string& scene, const LeastWork& least,
                       const std::array<Summary, stage_count>& stages, const Summary& frame) {
-    Table table(fmt::format("{}: microseconds beside what {} GB/s and {} us a node of a graph allow", scene,
+    Table table(fmt::format("{}: microseconds, and lower bounds by {} GB/s and {} us per graph node", scene,
                             number(limits.bandwidth() / 1e9), number(1e3 * limits.node)),
                 {"stage", "measured", "MB", "by bandwidth", "nodes", "by launches", "ratio"});
     nlohmann::json rows = nlohmann::json::array();
@@ -176,7 +176,7 @@ nlohmann::json counts(const Statistics& s) {
 
 nlohmann::json measure(const Settings& settings, const std::string& scene, Table& table) {
     const Workload workload = load(scene);
-    if (workload.query != Query::self) throw std::runtime_error(scene + " is no soup against itself");
+    if (workload.query != Query::self) throw std::runtime_error(scene + " is not one mesh against itself");
     const MeshView host = workload.a.view();
     Simulation simulation(workload.a);
     Detector detector(settings.options()), other(settings.options()), cpu({.backend = Backend::cpu});
@@ -386,22 +386,22 @@ int main(int argc, char** argv) {
     Settings settings;
     CLI::App app("The cuda backend on meshes that lie on the device.");
     app.add_option("--scene", settings.scenes,
-                   "[any number of] scenes as of crumple_benchmark; without it cloth_ball92, 227 and balls16_18 where "
-                   "their files are");
+                   "[any number of] scenes, named as in crumple_benchmark; without it cloth_ball92, 227 and "
+                   "balls16_18, if their files exist");
     app.add_option(
         "--step", settings.steps,
-        "[any number of] steps whose features are asked about: unc_cloth_ball, unc_funnel, unc_n_body, or "
-        "SCENE:TRIANGLES; without it the first three where their files are, else cloth and bodies; none: no step");
-    app.add_option("--frames", settings.frames, "Frames that a median is made of")->check(CLI::Range(1, 100'000));
+        "[any number of] steps for feature queries: unc_cloth_ball, unc_funnel, unc_n_body, or SCENE:TRIANGLES; "
+        "without it the first three, if their files exist, else cloth and bodies; none: no step");
+    app.add_option("--frames", settings.frames, "Number of frames for each median")->check(CLI::Range(1, 100'000));
     app.add_option("--largest", settings.largest, "Triangles of the largest cloth of the growth curve; 0: no curve");
     app.add_option("--worlds", settings.worlds, "Worlds of 1,000 triangles each in one call; 0: none")
         ->check(CLI::Range(0, 1'000'000));
     app.add_option("--device", settings.device, "Number of the device")->check(CLI::Range(0, 1'000));
     app.add_option("--json", settings.json, "File to write the figures to");
-    app.add_option("--commit", settings.commit, "What the figures say they were made from");
+    app.add_option("--commit", settings.commit, "Commit to record with the figures");
     app.add_flag("--profile", settings.profile,
-                 "Only play the frames of scenes and steps, for a profiler, whose range is the last one of each");
-    app.add_flag("--serve", settings.serving, "Take turns with another process (requests.h)")->needs("--scene");
+                 "Only run the frames of scenes and steps, for a profiler; its range is the last frame of each");
+    app.add_flag("--serve", settings.serving, "Serve requests of another process (requests.h)")->needs("--scene");
     CLI11_PARSE(app, argc, argv);
     try {
         if (settings.scenes.empty() && !real_scenes().empty()) settings.scenes = {"cloth_ball92", "227", "balls16_18"};

@@ -99,7 +99,7 @@ std::string difference(const There& there, const Here& here) {
 
 Table table_of_steps() {
     return {"features of steps on the device, milliseconds",
-            {"step", "question", "triangles", "rows", "device", "quartiles", "with wait", "cpu", "first"}};
+            {"step", "query", "triangles", "rows", "device", "quartiles", "with wait", "cpu", "first"}};
 }
 
 void measure_step(const std::string& name, const Options& options, int frames, Table& table, const RowSink& add) {

@@ -33,7 +33,7 @@ Summary steps_on_device(const Options& options, int frames, const World& world, 
 
 Table table_of_worlds() {
     return {"worlds side by side in one call, milliseconds",
-            {"wants", "worlds", "triangles", "hit", "pairs", "step on device", "host to host", "quartiles", "stages",
+            {"output", "worlds", "triangles", "hit", "pairs", "step on device", "host to host", "quartiles", "stages",
              "cpu", "first"}};
 }
 

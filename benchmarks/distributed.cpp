@@ -283,8 +283,8 @@ int run(int count, char** arguments) {
     Settings settings;
     CLI::App app{"Ranks of MPI with one thread each against one process with as many threads"};
     app.add_option("scenes", settings.scenes, "sequences, as crumple_benchmark names them");
-    app.add_option("--rounds", settings.rounds, "frames at most")->check(CLI::Range(3, 100000));
-    app.add_option("--budget", settings.budget, "seconds a scene");
+    app.add_option("--rounds", settings.rounds, "maximum number of frames")->check(CLI::Range(3, 100000));
+    app.add_option("--budget", settings.budget, "seconds per scene");
     app.add_option("--parts", settings.parts, "DistributedOptions::parts");
     app.add_flag("--growth", settings.growth, "memory, and a hash of the rows, of cloth:TRIANGLES made by the ranks");
     app.add_option("--json", settings.json, "file for the figures");

@@ -75,13 +75,13 @@ def contestants(scene):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="the smallest scene, few rounds, to see that all is well")
+    parser.add_argument("--quick", action="store_true", help="the smallest scene, few rounds, to check that everything works")
     parser.add_argument("--scene", action="append", choices=[s.name for s in SCENES], help="may be repeated")
     parser.add_argument("--json", help="file for the figures")
     arguments = parser.parse_args()
     chosen = [s for s in SCENES if s.name in (arguments.scene or [])] or SCENES[: 1 if arguments.quick else 2]
     if missing := [s.path() for s in chosen if not s.path().exists()]:
-        sys.exit(f"ipctk_adapters.py: there is no {missing[0]}; CRUMPLE_DATA names the folder of scalable-ccd")
+        sys.exit(f"ipctk_adapters.py: {missing[0]} is missing; set CRUMPLE_DATA to the folder that contains scalable-ccd")
     ipctk.set_logger_level(ipctk.off)
     load, records = os.getloadavg()[0], []
     for scene in chosen:

@@ -99,19 +99,19 @@ int main(int argc, char** argv) {
     std::vector<std::string> study_names{"all"};
     for (const Study& study : studies()) study_names.emplace_back(study.name);
 
-    CLI::App app("Times crumple against its peers, taking turns; or, with --study, crumple alone.");
+    CLI::App app("Times crumple and its peers alternately; or, with --study, crumple alone.");
     app.add_option("--scene", settings.scenes, "workload [any:|between:]SCENE[:TRIANGLES]; may be repeated");
     app.add_option("--peer", settings.peers, "peer; may be repeated")->check(CLI::IsMember(built_peers()));
     app.add_option("--study", settings.study_names, "study, or all; may be repeated")
         ->check(CLI::IsMember(study_names));
-    app.add_option("--repetitions", settings.rounds, "rounds of a race")->check(CLI::Range(1, 10'000));
+    app.add_option("--repetitions", settings.rounds, "number of rounds of a race")->check(CLI::Range(1, 10'000));
     app.add_option("--json", settings.json, "file for the figures");
-    app.add_flag("--quick", settings.quick, "few and short rounds, to see that all is well");
+    app.add_flag("--quick", settings.quick, "few and short rounds, to check that everything works");
     app.add_flag("--list", settings.list, "list scenes, peers and studies");
     app.add_flag("--compiler", settings.compiler, "print what compiled this program");
-    app.add_flag("--serve", settings.serving, "take turns with another process (see requests.h)")->needs("--scene");
+    app.add_flag("--serve", settings.serving, "serve requests of another process (requests.h)")->needs("--scene");
     app.add_flag("--first-call", settings.first,
-                 "print the milliseconds of making this process's first detector, and of its call")
+                 "print the milliseconds to make this process's first detector, and of its first call")
         ->needs("--scene");
     CLI11_PARSE(app, argc, argv);
     try {

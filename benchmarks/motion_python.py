@@ -272,14 +272,14 @@ def show(ratios):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="the smallest scene, few rounds, to see that all is well")
+    parser.add_argument("--quick", action="store_true", help="the smallest scene, few rounds, to check that everything works")
     parser.add_argument("--scene", action="append", choices=[s.name for s in SCENES], help="may be repeated")
     parser.add_argument("--json", help="file for the figures")
     arguments = parser.parse_args()
     rounds, seconds = (3, 5) if arguments.quick else (15, 120)
     chosen = [s for s in SCENES if s.name in (arguments.scene or [])] or SCENES[: 1 if arguments.quick else None]
     if missing := [s.path() for s in chosen if not s.path().exists()]:
-        sys.exit(f"motion_python.py: there is no {missing[0]}; CRUMPLE_DATA names the folder of scalable-ccd")
+        sys.exit(f"motion_python.py: {missing[0]} is missing; set CRUMPLE_DATA to the folder that contains scalable-ccd")
     ipctk.set_logger_level(ipctk.off)  # ipctk logs each contact that exists at the start of a step
     versions = {"crumple": crumple.__version__, "ipctk": ipctk.__version__}
     versions |= {"numpy": np.__version__, "python": platform.python_version()}

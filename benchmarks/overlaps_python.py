@@ -115,7 +115,7 @@ def real_pairs(names):
         if names and case["name"] not in names:
             continue
         if missing := [body["file"] for body in (case["A"], case["B"]) if not (DATA / body["file"]).exists()]:
-            print(f"{case['name']} is left out: there is no {missing[0]} in {DATA}")
+            print(f"{case['name']} is left out: {missing[0]} is missing in {DATA}")
             continue
         exact = float.fromhex(case["volume_float64"]) if "volume_float64" in case else None
         yield Pair(case["name"], (read_body(case["A"]), read_body(case["B"])), exact)
@@ -253,7 +253,7 @@ def pairs_of_meshes(setting, names):
         names = ["ember016"]
     for pair in real_pairs(names):
         if why := refused(pair):
-            print(f"{pair.name}: Manifold refuses it ({why}), so that only crumple is timed")
+            print(f"{pair.name}: Manifold refuses it ({why}), so only crumple is timed")
         else:
             yield deforming(pair, setting)
             yield built_before(pair, setting)
@@ -276,7 +276,7 @@ def many_balls(setting):
     """Yields rows of a scene of many balls. Crumple has to find the overlapping pairs; Manifold is given them."""
     path = DATA / "gt-overlap" / "balls16_18.json"
     if not path.exists() or not (DATA / json.loads(path.read_text())["file"]).exists():
-        print(f"balls are left out: there is no {path}, or not the scene that it names")
+        print(f"balls are left out: {path}, or the scene that it names, is missing")
         return
     bodies, exact = balls_of_the_scene(json.loads(path.read_text()))
     states = states_of(bodies)
@@ -393,7 +393,7 @@ def measure(setting, names):
             figure["answers"] += f"; {1 / figure['ratio']:.2f} times the search"
         rows.append({"kind": kind_of(row.name)} | figure)
     if not rows:
-        sys.exit(f"overlaps_python.py: no case is named {' or '.join(names)}, or its files are not there")
+        sys.exit(f"overlaps_python.py: no case is named {' or '.join(names)}, or its files are missing")
     return rows
 
 
@@ -431,7 +431,7 @@ def run_apart(threads, arguments):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="few scenes and rounds, to see that all is well")
+    parser.add_argument("--quick", action="store_true", help="few scenes and rounds, to check that everything works")
     parser.add_argument(
         "--case", action="append", help="a pair of meshes, balls, poses or contact; may be repeated; else all"
     )

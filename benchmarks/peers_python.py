@@ -268,7 +268,7 @@ def main():
     parser.add_argument("--scene", action="append", help="workload, as for crumple_benchmark; may be repeated")
     parser.add_argument("--repetitions", type=int, help="rounds of a race")
     parser.add_argument("--json", help="file for the figures")
-    parser.add_argument("--quick", action="store_true", help="few and short rounds, to see that all is well")
+    parser.add_argument("--quick", action="store_true", help="few and short rounds, to check that everything works")
     parser.add_argument("--work", nargs=5, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.work:

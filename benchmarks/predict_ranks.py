@@ -102,10 +102,10 @@ def table(title, model, sizes, network):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", type=Path)
-    parser.add_argument("--latency", type=float, default=2e-6, help="seconds from one rank to another")
+    parser.add_argument("--latency", type=float, default=2e-6, help="seconds of a message from one rank to another")
     parser.add_argument("--overhead", type=float, default=1e-6, help="seconds that a rank spends on a message")
-    parser.add_argument("--bandwidth", type=float, default=12.5e9, help="bytes a second of a machine")
-    parser.add_argument("--cores", type=int, default=64, help="ranks of a machine")
+    parser.add_argument("--bandwidth", type=float, default=12.5e9, help="bytes per second of a machine")
+    parser.add_argument("--cores", type=int, default=64, help="ranks per machine")
     network = parser.parse_args()
     figures = json.loads(network.results.read_text())
     model = Model(figures["studies"]["scaling"]["figures"])

@@ -77,7 +77,7 @@ Sequence load_sequence(const std::string& name, int step) {
     const auto [scene, parameters] = parse(name);
     for (const auto& description : scenes::descriptions()) {
         if (description.name != scene) continue;
-        if (description.simulated) fmt::print("{}: simulated, minutes unless it is in the cache\n", name);
+        if (description.simulated) fmt::print("{}: simulating, which takes minutes unless it is cached\n", name);
         scenes::Animation animation(scene, parameters);
         for (int frame = 0; frame < description.frames; frame += step) {
             sequence.numbers.push_back(frame);

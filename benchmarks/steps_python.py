@@ -176,7 +176,7 @@ def clear_worlds(quick):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="small scenes and few rounds, to see that all is well")
+    parser.add_argument("--quick", action="store_true", help="small scenes and few rounds, to check that everything works")
     parser.add_argument("--json", help="file for the figures")
     arguments = parser.parse_args()
     rounds, load = 3 if arguments.quick else 11, os.getloadavg()[0]

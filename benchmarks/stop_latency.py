@@ -88,9 +88,9 @@ def latency(call, after):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="small scenes and few stops, to see that all is well")
-    parser.add_argument("--stops", type=int, help="stops a query")
-    parser.add_argument("--only", help="queries whose names contain this")
+    parser.add_argument("--quick", action="store_true", help="small scenes and few stops, to check that everything works")
+    parser.add_argument("--stops", type=int, help="number of stops per query")
+    parser.add_argument("--only", help="only queries whose names contain this")
     arguments = parser.parse_args()
     stops = arguments.stops or (5 if arguments.quick else 100)
     random = np.random.default_rng(1)

@@ -138,7 +138,7 @@ BodyPair BodyNames::pair(const std::string& text) const {
         if (a >= 0 && b >= 0) return {a, b};
     }
     const std::size_t comma = text.find(',');
-    if (comma == text.npos) refuse("--excluded-bodies " + text + ": two names are needed, A,B");
+    if (comma == text.npos) refuse("--excluded-bodies " + text + ": two names are expected, A,B");
     try {
         return {require(text.substr(0, comma)), require(text.substr(comma + 1))};
     } catch (const Error& error) {
@@ -160,7 +160,7 @@ std::vector<BodyPair> BodyNames::read_pairs(const std::string& path) const {
     if (extension == ".csv") {
         for_each_record(source, [&](std::vector<std::string> fields, const char* place) {
             drop_inside(fields);
-            if (fields.size() != 2) source.fail_at_line(place, "two names are expected, with a comma between");
+            if (fields.size() != 2) source.fail_at_line(place, "two names are expected, separated by a comma");
             if (place != source.text_begin() || fields != std::vector<std::string>{"first", "second"})
                 pairs.push_back(named({fields[0], fields[1]}, place));
         });
@@ -173,7 +173,7 @@ std::vector<BodyPair> BodyNames::read_pairs(const std::string& path) const {
             source.fail_at_byte(source.begin(), "an object with a list of pairs of names is expected");
         for (const auto& pair : json["pairs"]) {
             if (!pair.is_array() || pair.size() != 2 || !pair[0].is_string() || !pair[1].is_string())
-                source.fail_at_byte(source.begin(), "the list 'pairs' holds what is no pair of names");
+                source.fail_at_byte(source.begin(), "the list 'pairs' holds an entry that is not a pair of names");
             pairs.push_back(named({pair[0].get<std::string>(), pair[1].get<std::string>()}, source.begin()));
         }
         return pairs;
@@ -184,7 +184,7 @@ std::vector<BodyPair> BodyNames::read_pairs(const std::string& path) const {
         const auto first = std::find_if_not(line.begin(), line.end(), is_blank);
         if (first != line.end() && *first != '#') {
             const auto names = split(line);
-            if (!names) source.fail_at_line(begin, "two names are expected, with a tab between");
+            if (!names) source.fail_at_line(begin, "two names are expected, separated by a tab");
             pairs.push_back(named(*names, begin));
         }
         begin = end == source.end() ? end : end + 1;

@@ -27,7 +27,7 @@ std::string words_of(const Choices<Value>& choices) {
 template <class Value>
 Value chosen(const char* name, const std::string& text, const Choices<Value>& choices) {
     const auto found = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.first == text; });
-    if (found == choices.end()) throw CLI::ValidationError(name, text + " is none of " + words_of(choices));
+    if (found == choices.end()) throw CLI::ValidationError(name, text + " is not one of " + words_of(choices));
     return found->second;
 }
 

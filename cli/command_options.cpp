@@ -53,7 +53,7 @@ std::int64_t parse_bytes(const std::string& text) {
     if (prefix != prefixes.npos) value *= std::pow(binary ? 1024 : 1000, static_cast<double>(prefix + 1));
     const bool known = unit.empty() ? !binary : prefix != prefixes.npos;
     if (number.ec != std::errc() || !known || !(value >= 1 && value < 0x1p63)) {
-        throw CLI::ValidationError("--memory-limit", text + " is no size, such as 2GiB, 500MB or 1000000");
+        throw CLI::ValidationError("--memory-limit", text + " is not a size, such as 2GiB, 500MB or 1000000");
     }
     return static_cast<std::int64_t>(value);
 }
@@ -75,7 +75,7 @@ CLI::Validator integer(std::int64_t low, std::int64_t high) {
         [low, high](const std::string& text) {
             std::int64_t value = 0;
             const bool fits = CLI::detail::lexical_cast(text, value) && low <= value && value <= high;
-            return fits ? "" : fmt::format("{} is no integer from {} to {}", text, low, high);
+            return fits ? "" : fmt::format("{} is not an integer from {} to {}", text, low, high);
         },
         "");
 }
@@ -85,7 +85,7 @@ CLI::Option* add_number_option(CLI::App& app, const char* name, const std::funct
     const auto read = [set, range, name](const std::string& text) {
         const auto value = io::number_of(text);
         if (!value || !(*value >= 0 && *value < range.end))
-            throw CLI::ValidationError(name, fmt::format("{} is no {}", text, range.words));
+            throw CLI::ValidationError(name, fmt::format("{} is not a {}", text, range.words));
         set(*value);
     };
     return app.add_option_function<std::string>(name, read, help);
@@ -93,36 +93,35 @@ CLI::Option* add_number_option(CLI::App& app, const char* name, const std::funct
 
 void add_reading_options(CLI::App& app, ReadingOptions& options) {
     CLI::Option* const weld = app.add_flag_callback(
-        "--weld", [&options] { options.weld = true; }, "Vertices at equal positions are one");
+        "--weld", [&options] { options.weld = true; }, "Weld vertices: those at equal positions count as one");
     app.add_flag_callback(
            "--no-weld", [&options] { options.weld = false; },
-           "Vertices at equal positions stay apart; without either option only those of STL files and of glTF scenes "
-           "are one")
+           "Keep vertices at equal positions separate; without either option, only STL files and glTF scenes are "
+           "welded")
         ->excludes(weld);
     add_choice<io::Precision, io::Precision>(
         app, "--precision", options.precision,
         {{"auto", io::Precision::automatic}, {"float32", io::Precision::float32}, {"float64", io::Precision::float64}},
-        "Precision that coordinates are rounded to; auto loses no bit of the file");
+        "Precision to which coordinates are rounded; auto, the default, loses no bit of the file");
     add_choice<io::Triangulation, io::Triangulation>(
         app, "--triangulation", options.triangulation,
         {{"ears", io::Triangulation::ears}, {"fan", io::Triangulation::fan}},
-        "How polygons become triangles: concave ones without overlaps (ears, the default), or all from their first "
-        "corner (fan)");
+        "How polygons become triangles: without overlaps, also if concave (ears, the default), or all as fans from "
+        "their first corner (fan)");
     add_choice<io::Unit, io::Unit>(app, "--unit", options.unit, units(),
-                                   "Unit of the coordinates: files that do not say theirs, all but .3mf and glTF, are "
-                                   "taken for it, and those in another unit are converted");
-    app.add_flag("--strict", options.strict, "What would be a warning about a file is an error");
+                                   "Unit of the coordinates. Files without a unit, which are all but .3mf and glTF, "
+                                   "are assumed to be in this unit; files in another unit are converted to it");
+    app.add_flag("--strict", options.strict, "Treat warnings about files as errors");
 }
 
 void add_polygons_option(CLI::App& app, QueryOptions& options) {
-    app.add_flag(
-        "--polygons", options.polygons,
-        "Ids are those of the file's faces, of as many corners as they have, not those of triangles. `p p` is a "
-        "polygon that collides with itself");
+    app.add_flag("--polygons", options.polygons,
+                 "List polygons, which are the faces of the file with any number of corners, instead of triangles. `p "
+                 "p` is a polygon that collides with itself");
 }
 
 void add_format_option(CLI::App& app, std::string& format, const std::string& words) {
-    app.add_option("--format", format, "What -o - writes to standard output")->type_name(words);
+    app.add_option("--format", format, "Format that -o - writes to standard output")->type_name(words);
 }
 
 void add_query_options(CLI::App& app, QueryOptions& options) {
@@ -133,23 +132,23 @@ void add_query_options(CLI::App& app, QueryOptions& options) {
         app, "--kind", options.kind, {{"all", IntersectionKind::all}, {"proper", IntersectionKind::proper}},
         "Touching counts (all, the default), or only edges that strictly cross the inside of a triangle (proper). The "
         "latter leaves out triangles that cross only at edges and vertices: two boxes, one shifted along all axes, "
-        "have no proper intersection. It tells neither a depth nor a volume of penetration: crumple overlap does");
+        "have no proper intersection. This option computes neither a depth nor a volume of penetration: crumple "
+        "overlap does");
     add_reading_options(app, options);
     add_group_options(app, options);
     app.add_option_function<std::string>(
            "--part", [&options](const std::string& text) { options.part = parse_part(text); },
-           "Only part K of N (1/N to N/N) of the result: the parts are independent, together they are the whole result")
+           "Only part K of N (1/N to N/N) of the result. The parts can be computed independently; together they are "
+           "the whole result")
         ->type_name("K/N");
 }
 
 void add_group_options(CLI::App& app, QueryOptions& options) {
-    app.add_option(
-           "--groups", options.groups,
-           "What the groups of --filter are: the connected components, the integers in a file (one a line for "
-           "each triangle, those of FILE_B last), or an integer property of a PLY file's faces. `bodies` (detect "
-           "only): the nodes of glTF scenes and the objects of 3MF, any other file being one body; the names of those "
-           "that collide "
-           "are listed")
+    app.add_option("--groups", options.groups,
+                   "Groups for --filter: the connected components, the integers in a file (one per line for each "
+                   "triangle, those of FILE_B last), or an integer property of a PLY file's faces. `bodies` (detect "
+                   "only): the nodes of glTF scenes, the objects of 3MF files, and any other file as one body; the "
+                   "names of the bodies that collide are listed")
         ->type_name("components|bodies|FILE|PROPERTY");
     add_choice<std::optional<PairScope>, PairScope>(
         app, "--filter", options.filter,
@@ -158,14 +157,15 @@ void add_group_options(CLI::App& app, QueryOptions& options) {
 }
 
 void QueryOptions::check() const {
-    if (polygons && part) fail("--part is of triangles: polygons of several parts would be listed in each of them");
-    if (polygons && contacts) fail("--contacts belong to triangles, and --polygons lists none");
+    if (polygons && part)
+        fail("--part does not go with --polygons: a polygon may be in several parts, and each of them would list it");
+    if (polygons && contacts) fail("--contacts does not go with --polygons: contacts belong to triangles");
     if (groups.empty() && filter && *filter != PairScope::both) fail("--filter between and within need --groups");
-    if (!groups.empty() && !filter && !of_bodies()) fail("--groups changes nothing without --filter");
+    if (!groups.empty() && !filter && !of_bodies()) fail("--groups needs --filter");
     if (!of_bodies()) return;
-    if (part) fail("--part is of triangles, and --groups bodies lists bodies");
-    if (polygons) fail("--polygons are of one mesh or two, not of --groups bodies");
-    if (contacts) fail("--contacts belong to triangles, and --groups bodies lists bodies");
+    if (part) fail("--part does not go with --groups bodies, which lists bodies");
+    if (polygons) fail("--polygons does not go with --groups bodies, which lists bodies");
+    if (contacts) fail("--contacts does not go with --groups bodies, which lists bodies");
 }
 
 namespace {
@@ -201,14 +201,14 @@ void parse_fuzzy_c_means(const std::vector<std::string>& settings, FuzzyCMeans& 
 }  // namespace
 
 void add_cost_options(CLI::App& app, Options& options) {
-    add_choice<Backend, Backend>(
-        app, "--backend", options.backend,
-        {{"auto", Backend::automatic},
-         {"reference", Backend::reference},
-         {"cpu", Backend::cpu},
-         {"cuda", Backend::cuda}},
-        "Who does the work; auto is cuda where it was built and a device is there, else cpu; reference is brute force "
-        "in rational arithmetic, slow and simple");
+    add_choice<Backend, Backend>(app, "--backend", options.backend,
+                                 {{"auto", Backend::automatic},
+                                  {"reference", Backend::reference},
+                                  {"cpu", Backend::cpu},
+                                  {"cuda", Backend::cuda}},
+                                 "Backend of the search. auto, the default, is cuda if it was built and there is a "
+                                 "device, else cpu, and always cpu for impacts, near pairs, candidates, overlaps and "
+                                 "--containment; reference is brute force in rational arithmetic, slow and simple");
     app.add_option_function<std::vector<int>>(
            "--device",
            [&options](const std::vector<int>& devices) {
@@ -217,17 +217,17 @@ void add_cost_options(CLI::App& app, Options& options) {
                else
                    options.devices = devices;
            },
-           "Device of the cuda backend, from 0, or several that share the work, as in 0,1; crumple info --devices "
-           "lists them. Without it the first")
+           "Number of the cuda backend's device, from 0, or of several that share the work, as in 0,1; crumple info "
+           "--devices lists them. Without it, the first one is used")
         ->type_name("N")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->check(integer(0, std::numeric_limits<int>::max()));
-    app.add_option("--threads", options.threads, "Threads; without it as many as the machine has")
+    app.add_option("--threads", options.threads, "Number of threads; without it, as many as the machine has")
         ->type_name("N")
         ->check(integer(1, 1024));
     app.add_option("--clusters", options.clusters,
-                   "Clusters of the first level, 1 to 64; without it chosen from the size")
+                   "Number of clusters of the first level, 1 to 64; without it, chosen by the size of the scene")
         ->type_name("N")
         ->check(integer(1, 64));
     app.add_option_function<std::vector<std::string>>(
@@ -236,13 +236,13 @@ void add_cost_options(CLI::App& app, Options& options) {
                parse_fuzzy_c_means(settings, options.fuzzy_c_means);
            },
            "How fuzzy C-means places clusters, for researchers: fuzziness=2, max_iterations=2, first_iterations=5, "
-           "stop=0.01, first_stop=0.0001, or some of these with commas between")
+           "stop=0.01, first_stop=0.0001, or some of these, separated by commas")
         ->type_name("NAME=X")
         ->delimiter(',')
         ->allow_extra_args(false);
     app.add_option_function<std::string>(
            "--memory-limit", [&options](const std::string& text) { options.memory_limit = parse_bytes(text); },
-           "Most memory that the search may own: 2GiB, 500MB, 1.5g or a number of bytes")
+           "Limit on the memory of the search: 2GiB, 500MB, 1.5g or a number of bytes")
         ->type_name("SIZE");
 }
 
@@ -251,10 +251,10 @@ void check_cost_options(const Options& options) {
         (options.backend == Backend::reference || options.backend == Backend::cpu))
         fail("--device applies to --backend cuda only");
     if (options.threads && options.backend == Backend::cuda)
-        fail("--threads does not apply to --backend cuda: the device has its own");
+        fail("--threads does not apply to --backend cuda: the search runs on the device");
     if (options.backend != Backend::reference) return;
     if (options.threads) fail("--threads does not apply to --backend reference, which has one thread");
-    if (options.clusters) fail("--clusters does not apply to --backend reference, which has none");
+    if (options.clusters) fail("--clusters does not apply to --backend reference, which has no clusters");
 }
 
 void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
@@ -277,14 +277,15 @@ void check_outputs(const std::vector<std::string>& outputs, std::vector<std::str
 }
 
 void check_standard_input(const std::vector<std::string>& inputs) {
-    if (std::count_if(inputs.begin(), inputs.end(), is_standard) > 1) fail("standard input, -, can be read once");
+    if (std::count_if(inputs.begin(), inputs.end(), is_standard) > 1) fail("standard input, -, can be read only once");
 }
 
 void check_format(const std::vector<std::string>& outputs, const std::string& format) {
     const bool to_standard = std::any_of(outputs.begin(), outputs.end(), is_standard);
-    if (to_standard && format.empty()) fail("-o - needs --format, which says what is written");
-    if (!to_standard && !format.empty()) fail("--format is for -o -: a file's extension says what it holds");
-    if (std::count_if(outputs.begin(), outputs.end(), is_standard) > 1) fail("-o - is possible once");
+    if (to_standard && format.empty()) fail("-o - needs --format, which chooses what is written");
+    if (!to_standard && !format.empty())
+        fail("--format is for -o - only: the extension of a file determines its format");
+    if (std::count_if(outputs.begin(), outputs.end(), is_standard) > 1) fail("-o - can be given only once");
 }
 
 std::string extension_of(const std::string& path, const std::string& format) {

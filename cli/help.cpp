@@ -29,7 +29,7 @@ const std::vector<Group>& groups() {
           "containment", "open"}},
         {"Bodies", {"excluded-bodies", "excluded-bodies-from", "poses", "any-by-world"}},
         {"Reading files", {"unit", "weld", "no-weld", "precision", "triangulation", "strict"}},
-        {"Writing, and telling what is done", {"format", "stream", "stats", "progress"}},
+        {"Output format and progress", {"format", "stream", "stats", "progress"}},
         {"Threads, memory and CUDA",
          {"threads", "memory-limit", "clusters", "fuzzy-c-means", "backend", "device", "devices"}},
     };

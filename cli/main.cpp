@@ -21,16 +21,16 @@ using namespace crumple::cli;
 
 int run(int argc, char** argv) {
     CLI::App app(
-        "Crumple finds every pair of colliding triangles, every impact of a step, all that is near, and how much "
-        "bodies overlap, exactly.",
+        "Crumple finds every pair of colliding triangles, every impact of a step, every pair of features within a "
+        "distance, and how much bodies overlap, exactly.",
         "crumple");
     app.formatter(std::make_shared<Help>());
     app.set_version_flag("--version", "crumple " CRUMPLE_VERSION, "Print the version and exit");
     app.require_subcommand(0, 1);  // at most one, so a file may have a command's name
     app.footer(
-        "Exit status: 0 done; 1 something collides, touches, is near or overlaps (with --check) or a list is wrong "
-        "(verify);\n"
-        "2 wrong use or bad input; 3 out of memory, with the bytes that are needed; 130 interrupted.\n\n"
+        "Exit status: 0 success; 1 something collides, touches, is near or overlaps (with --check), or a list is\n"
+        "wrong (verify); 2 wrong use or bad input; 3 out of memory: under --memory-limit, the message has a lower\n"
+        "bound on the bytes needed; 130 interrupted.\n\n"
         "Example: crumple detect bunny.ply -o pairs.txt --stats");
     const std::array commands{add_detect(app), add_impacts(app), add_near(app), add_overlap(app), add_sequence(app),
                               add_info(app),   add_verify(app),  add_make(app), add_convert(app)};
@@ -47,7 +47,7 @@ int run(int argc, char** argv) {
     for (const Command& command : commands) {
         if (!*command.app) continue;
         if (command.on_ranks || Ranks::count() == 1) return command.run();
-        print_error(command.app->get_name() + " is not shared among ranks: run it in one process");
+        print_error(command.app->get_name() + " is not supported on several ranks: run it in one process");
         return failed;
     }
     print_error("a subcommand is required: detect, impacts, near, overlap, sequence, info, verify, make or convert");

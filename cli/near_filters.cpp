@@ -20,8 +20,8 @@ std::vector<double> read_radii(const std::string& path, std::int64_t vertices) {
         const std::string word(in.word());
         const auto radius = io::number_of(word);
         if (!radius || !(*radius >= 0 && *radius < std::numeric_limits<double>::infinity()))
-            source.fail_at_line(line, io::in_quotes(word) + " is no radius of 0 or more");
-        if (!in.finished()) in.fail("a radius of one vertex a line is expected, and the line goes on");
+            source.fail_at_line(line, io::in_quotes(word) + " is not a radius of 0 or more");
+        if (!in.finished()) in.fail("each line must have only one radius, that of a vertex");
         radii.push_back(*radius);
     }
     if (static_cast<std::int64_t>(radii.size()) != vertices)
@@ -36,28 +36,30 @@ std::vector<std::string> NearFilterOptions::files() const { return {radii, rest}
 
 void add_near_filter_options(CLI::App& app, NearFilterOptions& options) {
     app.add_option("--radii", options.radii,
-                   "Instead of --radius: a file with a radius for each vertex, one a line. An edge or a face has the "
-                   "largest of its vertices', and near is what is at most as far away as both radii together")
+                   "Instead of --radius: a file with a radius for each vertex, one per line. The radius of an edge or "
+                   "a face is the largest of its vertices' radii. Features are near if their distance is at most the "
+                   "sum of both radii")
         ->type_name("FILE");
     app.add_option("--rings", options.rings,
-                   "Nothing is near its neighbours: those that at most N edges lead to from one of its vertices to one "
-                   "of theirs. 0, the default: those with a common vertex")
+                   "Leave out neighbours: features that a path of at most N edges joins, from a vertex of one to a "
+                   "vertex of the other. 0, the default: features with a common vertex")
         ->type_name("N")
         ->check(integer(0, std::numeric_limits<std::int32_t>::max()));
     app.add_option("--rest", options.rest,
-                   "The same mesh at rest: what is within the --rest-radius there is not listed")
+                   "The rest shape of the mesh, with the same triangles: features within --rest-radius of each other "
+                   "there are left out")
         ->type_name("FILE");
     add_number_option(
         app, "--rest-radius", [&options](double value) { options.rest_radius = value; }, any_distance,
-        "With --rest; 0, the default: what touches at rest")
+        "Radius for --rest; 0, the default: features that touch in the rest shape")
         ->type_name("R");
 }
 
 NearFilters::NearFilters(const NearFilterOptions& options, InputMeshes& input, const QueryOptions& query_options)
     : options_(options) {
     if (options.rest.empty() && options.rest_radius > 0) refuse("--rest-radius needs --rest");
-    if (input.second && !options.radii.empty()) refuse("--radii are of one mesh");
-    if (input.second && !options.rest.empty()) refuse("--rest is of one mesh");
+    if (input.second && !options.radii.empty()) refuse("--radii does not support two meshes");
+    if (input.second && !options.rest.empty()) refuse("--rest does not support two meshes");
     if (!options.radii.empty()) radii_ = read_radii(options.radii, input.first.vertex_count());
     if (options.rest.empty()) return;
     rest_ = read_mesh(options.rest, query_options);

@@ -26,7 +26,7 @@ std::vector<std::int32_t> read_groups(const std::string& path) {
         const char* const place = in.position();
         const std::int64_t group = in.integer("a group");
         if (group != static_cast<std::int32_t>(group)) in.fail(place, "a group does not fit in 32 bits");
-        if (!in.finished()) in.fail("a group of one triangle a line is expected, and the line goes on");
+        if (!in.finished()) in.fail("each line must have only one group, that of a triangle");
         groups.push_back(static_cast<std::int32_t>(group));
     }
     return groups;
@@ -74,7 +74,7 @@ enum class GroupSource { none, components, file, property };
 GroupSource group_source(const QueryOptions& options) {
     if (options.groups.empty()) return GroupSource::none;
     if (options.of_bodies())
-        throw Error(ErrorCode::invalid_argument, "--groups bodies is for crumple detect", Element::option);
+        throw Error(ErrorCode::invalid_argument, "--groups bodies is for crumple detect only", Element::option);
     if (options.groups == "components") return GroupSource::components;
     return std::filesystem::exists(options.groups) ? GroupSource::file : GroupSource::property;
 }
@@ -146,10 +146,9 @@ namespace {
 [[noreturn]] void refuse_other_faces(const std::string& start_name, const std::string& end_name,
                                      const std::string& what) {
     const bool stl = extension_of(start_name) == ".stl" || extension_of(end_name) == ".stl";
-    throw Error(
-        ErrorCode::invalid_argument,
-        start_name + " and " + end_name + " are to be one mesh at two times, but " + what +
-            (stl ? " (vertices of STL that coincide are one in each file; not so with --weld or --no-weld)" : ""));
+    throw Error(ErrorCode::invalid_argument,
+                start_name + " and " + end_name + " must be one mesh at two times, but " + what +
+                    (stl ? " (each STL file was welded separately; use --weld or --no-weld)" : ""));
 }
 
 void check_same_counts(const std::string& start_name, const std::string& end_name, const char* of, std::int64_t start,
@@ -166,7 +165,7 @@ void check_same_faces(const InputMeshes& start, const std::string& end_name, con
     check_same_counts(start.name, end_name, "vertices", mesh.vertex_count(), end.vertex_count());
     check_same_counts(start.name, end_name, "triangles", mesh.triangle_count(), end.triangle_count());
     if (mesh.lines != end.lines || mesh.points != end.points)
-        refuse_other_faces(start.name, end_name, "lines or points name other vertices");
+        refuse_other_faces(start.name, end_name, "lines or points have other vertices");
     const io::Polygons &a = mesh.polygons, &b = end.polygons;
     if (!a.empty() && a.offsets == b.offsets && a.corners == b.corners) return;
     const auto other = std::mismatch(mesh.triangles.begin(), mesh.triangles.end(), end.triangles.begin()).first;
@@ -206,7 +205,7 @@ SearchSession::SearchSession(const QueryOptions& query_options, const Options& o
       threads_(options.threads ? std::make_unique<AllowedThreads>(options.threads) : nullptr),
       detector_((query_options.check(), check_cost_options(options), options)) {
     if (!detector_.fallback().empty())
-        print_error(std::string(detector_.fallback()) + "; the cpu backend does the work");
+        print_error(std::string(detector_.fallback()) + "; the cpu backend is used instead");
 }
 
 SearchSession::~SearchSession() = default;

@@ -26,15 +26,16 @@ ImpactQuery MotionOptions::query(const QueryOptions& query_options, Output outpu
 void add_motion_options(CLI::App& app, MotionOptions& options) {
     add_number_option(
         app, "--min-distance", [&options](double value) { options.min_distance = value; }, any_distance,
-        "What comes as near as this touches, in the units of the coordinates")
+        "Features touch if their distance is at most D, in the units of the coordinates")
         ->type_name("D");
     add_number_option(
         app, "--min-distance-share", [&options](double value) { options.share = value; },
         {1, "share of 0 or more and below 1"},
-        "What comes as near as this share of its own distance at the start touches; of both the larger one counts")
+        "Features touch if their distance is at most S times their own distance at the start; with --min-distance, the "
+        "larger one applies")
         ->type_name("S");
     app.add_flag("--approaching-only", options.approaching_only,
-                 "What touches at the start and comes no nearer than it is there is left out");
+                 "Leave out features that touch at the start and come no nearer than they are there");
 }
 
 ProximityQuery NearOptions::query(const QueryOptions& query_options, Output output) const {
@@ -48,7 +49,7 @@ ProximityQuery NearOptions::query(const QueryOptions& query_options, Output outp
 }
 
 void add_below_option(CLI::App& app, NearOptions& options) {
-    app.add_flag("--below", options.below, "Near is below the radius; what is at the radius exactly is not");
+    app.add_flag("--below", options.below, "Features are near if their distance is below the radius, not equal to it");
 }
 
 void refuse_beside_features(const char* option_of_features, const QueryOptions& query_options) {
@@ -90,9 +91,10 @@ void ListOutputs::check_stream() const {
 bool ListOutputs::have_files() const { return !std::all_of(paths.begin(), paths.end(), is_standard); }
 
 void add_output_options(CLI::App& app, ListOutputs& outputs, const std::string& what, const std::string& coloured) {
-    app.add_option("-o,--output", outputs.paths,
-                   what + " as .txt, .csv, .json or .npz, or " + coloured +
-                       ", as .glb; may be repeated. - is standard output, see --format. Without it the text goes there")
+    app.add_option(
+           "-o,--output", outputs.paths,
+           what + " as .txt, .csv, .json or .npz, or " + coloured +
+               ", as .glb. May be repeated. - is standard output, see --format. Without it, the text is printed")
         ->type_name("OUT")
         ->allow_extra_args(false);
     add_format_option(app, outputs.format, "txt|csv|json|npz|glb");
@@ -126,8 +128,8 @@ int SearchCommand::finish(bool any, const std::string& summary) const {
 void add_search_command_options(CLI::App& app, SearchCommand& command, const std::string& check) {
     app.add_flag("--check", command.check, check);
     app.add_flag("--stream", command.stream,
-                 "Write the list, as .txt or .csv, while it is found, for results that exceed memory: in an order of "
-                 "its own, which does not depend on threads");
+                 "Write the list, as .txt or .csv, while it is found, for results that exceed memory. Its order "
+                 "differs from that without --stream, and does not depend on threads");
     app.add_flag("--stats", command.stats, "Print times and counts of the stages to standard error");
     add_progress_option(app, command.progress);
     add_reading_options(app, command.query_options);

@@ -14,8 +14,8 @@ void Steps::begin(std::string_view step) const {
 
 void add_progress_option(CLI::App& app, bool& shown) {
     app.add_flag("--progress", shown,
-                 "Print a line to standard error as each step begins, with the seconds that have passed. Of several "
-                 "processes: what the first one does, phase by phase");
+                 "Print a line to standard error as each step begins, with the elapsed seconds. On several ranks: the "
+                 "phases of rank 0");
 }
 
 }  // namespace crumple::cli

@@ -25,10 +25,11 @@ constexpr std::array entries{
     Entry{{"needles", "random needles, a hundred times as long as wide", 100'000, 1}, make_needles},
     Entry{{"five_decades", "random triangles whose sizes spread over five decades", 100'000, 1}, make_five_decades},
     Entry{{"bodies", "tumbling balls, boxes and rings that pass through each other", 100'000, 60}, make_bodies},
-    Entry{{"knots", "tumbling bodies that pass through each other and, if knots, through themselves", 146'400, 60},
-          make_knots},
+    Entry{
+        {"knots", "tumbling bodies that pass through each other; the knots also pass through themselves", 146'400, 60},
+        make_knots},
     Entry{{"model", "one large closed body, wrinkled, that passes through itself", 200'000, 1}, make_model},
-    Entry{{"shells", "concentric spheres: no collision at all", 100'000, 1}, make_shells},
+    Entry{{"shells", "concentric spheres without any collision", 100'000, 1}, make_shells},
     Entry{{"fans", "crossing coins, each two fans of needles around one vertex", 12'000, 1}, make_fans},
     Entry{{"lattice", "exactly touching, coplanar, duplicated, folded, degenerate triangles; float64", 20'000, 1},
           make_lattice},
@@ -54,7 +55,7 @@ const Entry& find(std::string_view name) {
         if (entry.description.name == name) return entry;
         known += (known.empty() ? "" : ", ") + std::string(entry.description.name);
     }
-    fail("there is no scene " + std::string(name) + "; there are " + known);
+    fail("there is no scene " + std::string(name) + "; the scenes are " + known);
 }
 
 }  // namespace
@@ -79,7 +80,8 @@ Animation::Animation(std::string_view name, const Parameters& parameters, Progre
     : implementation_(new Implementation{find(name), parameters, std::move(progress), {}}) {
     Parameters& p = implementation_->parameters;
     if (p.triangles < 0 || p.triangles > most_triangles) {
-        fail("cannot make " + std::to_string(p.triangles) + " triangles, only up to " + std::to_string(most_triangles));
+        fail("triangles must be 0 (the default of the scene) to " + std::to_string(most_triangles) + ", not " +
+             std::to_string(p.triangles));
     }
     const Entry& entry = implementation_->entry;
     if (p.triangles == 0) p.triangles = entry.description.triangles;

@@ -5,7 +5,7 @@
 set -euo pipefail
 case ${1-} in
     -h | --help) sed -n '2,4s/^# \{0,1\}//p' "$0"; exit ;;
-    -*) echo "check.sh: $1 is no option; check.sh --help tells what there is" >&2; exit 2 ;;
+    -*) echo "check.sh: $1 is not an option; see check.sh --help" >&2; exit 2 ;;
 esac
 cd "$(dirname "$0")/.."
 . scripts/steps.sh

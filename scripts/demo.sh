@@ -6,7 +6,7 @@
 set -euo pipefail
 case ${1-} in
     -h | --help) sed -n '2,5s/^# \{0,1\}//p' "$0"; exit ;;
-    -?*) echo "demo.sh: $1 is no option; demo.sh --help tells what there is" >&2; exit 2 ;;
+    -?*) echo "demo.sh: $1 is not an option; see demo.sh --help" >&2; exit 2 ;;
 esac
 for file in "$@"; do
     [[ -r $file && ! -d $file ]] || { echo "demo.sh: cannot read $file" >&2; exit 2; }

@@ -144,7 +144,7 @@ if [[ -f $pack ]]; then
     ! has_failed || finish
     [[ $version != unknown ]] || version=$(cat "$packed/commit")  # unknown in a copy without Git history
 elif [[ ! $bin ]]; then
-    note unpack failed 0 "no build-gpu/pack.tar.xz: --pack makes it"
+    note unpack failed 0 "build-gpu/pack.tar.xz is missing; --pack makes it"
     finish
 fi
 [[ -f $data/scalable-ccd/cloth-ball/frames/cloth_ball92.ply ]] || scene=cloth:100000 scenes=$scene

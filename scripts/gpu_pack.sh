@@ -44,7 +44,7 @@ find_cubql() {
     if [[ -f $cubql/cuBQL/bvh.h ]]; then
         programs+=("$rival")
     else
-        without cuBQL "no cuBQL/bvh.h from $source (--cubql PATH)"
+        without cuBQL "cuBQL/bvh.h is missing in $source; set --cubql PATH"
         cubql=''
     fi
 }
@@ -66,7 +66,7 @@ build_programs() {
             --wheel-dir "$build/wheel" -Cbuild-dir="$build" -Ccmake.args=-GNinja \
             "${settings[@]/#/-Ccmake.define.}" >"$build/wheel.log" 2>&1 || { tail -n 40 "$build/wheel.log" >&2; exit 1; }
     else
-        without "the Python package" "$python does not start (--python)"
+        without "the Python package" "$python does not start; set --python"
         cmake -G Ninja -S "$top" -B "$build" -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_TESTS=OFF -DCRUMPLE_EXAMPLES=OFF \
             "${settings[@]/#/-D}" >/dev/null
     fi

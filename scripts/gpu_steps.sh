@@ -13,7 +13,7 @@ unpack() {
     rm -rf "$packed"
     mkdir -p "$packed/site"
     tar -C "$packed" -xJf "$pack" || python3 -m tarfile -e "$pack" "$packed"
-    [[ $(sources_of "$top") == "$(cat "$packed/sources")" ]] || { remark "made of other sources: --pack makes it anew"; exit 1; }
+    [[ $(sources_of "$top") == "$(cat "$packed/sources")" ]] || { remark "the pack is made of other sources; --pack makes a new one"; exit 1; }
     for wheel in "$packed"/*.whl; do
         [[ ! -f $wheel ]] || python3 -m zipfile -e "$wheel" "$packed/site"
     done
@@ -99,7 +99,7 @@ compare_bytes() {
     # shellcheck disable=SC2016
     head -n "$most_calls" | xargs -d '\n' -n 1 -P 8 bash -c 'compare_call $1' - | tee "$log.calls"
     remark "$(awk '/^same/ {++calls; lines += $2} END {print calls + 0, "calls have the same bytes,", lines + 0, "lines"}' \
-        "$log.calls"); $(grep -c ^other "$log.calls") have not: $(grep -m 1 ^other "$log.calls" | sed "s|$work/soups/||g")"
+        "$log.calls"); $(grep -c ^other "$log.calls") differ: $(grep -m 1 ^other "$log.calls" | sed "s|$work/soups/||g")"
     ! grep -q ^other "$log.calls"
 }
 compare_call() {
@@ -179,7 +179,7 @@ race_warp() {
 }
 sanitize() {  # TOOL
     need compute-sanitizer
-    local tests long=':*long_rows_are_sorted'
+    local tests long=':*pairs_of_one_triangle_are_sorted'
     [[ $1 != racecheck ]] || long=''  # racecheck takes two minutes for this test
     for tests in device_test:"*hard_soups_in_device_memory*:*Launch.two_meshes_*:*find_ends_launches*$long" \
         device_features_test:'*radii_and_rest_shape*:*strided_and_unaligned*'; do

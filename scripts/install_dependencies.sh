@@ -41,7 +41,7 @@ if ((EUID == 0)); then
 elif command -v sudo >/dev/null; then
     as_root=(sudo)
 else
-    echo "$0: these packages are missing, and neither root nor sudo is here to install them: ${missing[*]}" >&2
+    echo "$0: these packages are missing, and installing them needs root or sudo: ${missing[*]}" >&2
     exit 1
 fi
 echo "Installing ${missing[*]}"

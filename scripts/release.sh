@@ -33,13 +33,13 @@ if ((${#pythons[@]} == 0)); then
         fi
     done
 fi
-((${#pythons[@]})) || fail "no interpreter: name one by --python"
+((${#pythons[@]})) || fail "no Python interpreter was found; name one with --python"
 for python in "${pythons[@]}"; do
-    "$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))' || fail "$python is not a Python from 3.10 on"
+    "$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))' || fail "$python is not Python 3.10 or later"
 done
 if [[ $roots ]]; then
-    ((EUID == 0)) || fail "bare roots take root; --no-roots leaves them out"
-    command -v debootstrap >/dev/null || fail "bare roots take the package debootstrap; --no-roots leaves them out"
+    ((EUID == 0)) || fail "bare Debian needs root; --no-roots skips it"
+    command -v debootstrap >/dev/null || fail "bare Debian needs the package debootstrap; --no-roots skips it"
 fi
 
 "$top/scripts/install_dependencies.sh" --python

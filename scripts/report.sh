@@ -11,7 +11,7 @@ extra=plots arguments=("$@")
 if [[ ${1-} == --pictures ]]; then
     extra=plots,pictures
     benchmark=build-bench/benchmarks/crumple_benchmark
-    [[ -x $benchmark ]] || { echo "$0: scripts/bench.sh builds $benchmark" >&2; exit 1; }
+    [[ -x $benchmark ]] || { echo "$0: $benchmark is missing; scripts/bench.sh builds it" >&2; exit 1; }
     arguments=(--pictures "$benchmark")
 fi
 python=build-report/venv/bin/python

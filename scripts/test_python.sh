@@ -31,7 +31,7 @@ pip() { "$python" -m pip --disable-pip-version-check --quiet "$@"; }
     pip install 'scikit-build-core>=0.11' 'nanobind>=3' numpy pytest pytest-xdist hypothesis trimesh meshio
 if ((${#all[@]})); then
     for package in pyvista open3d jax warp-lang mypy pillow ipctk libigl meshlib trueform python-fcl scipy coal; do
-        pip install "$package" || echo "Left out, for pip cannot install it here: $package" >&2
+        pip install "$package" || echo "Left out, because pip cannot install it: $package" >&2
     done
 fi
 
@@ -58,7 +58,7 @@ special_modules() {
 if [[ $cuda ]]; then
     special_modules
     CRUMPLE_CUDA_ON_CPU=1 exec "$python" -m pytest -q -n "$(nproc)" python/tests/test_{arguments,device,input}.py \
-        "python/tests/test_mpi.py::test_ranks[arrays_may_lie_on_a_device-3]" "$@"
+        "python/tests/test_mpi.py::test_case_passes_on_all_ranks[arrays_can_be_in_device_memory-3]" "$@"
 fi
 if [[ $quick ]]; then
     modules build-python-quick -DCRUMPLE_TESTS=OFF

@@ -16,7 +16,7 @@ nlohmann::json grow(const std::string& scene, FeatureQueryKind query, const std:
     const std::vector<FeatureWay> ways = feature_ways();
     std::vector<std::string> header{"triangles", "box overlaps", "found"};
     for (const FeatureWay& way : ways) header.push_back(way.name + ", ms");
-    for (const char* name : {"ns a triangle", "speed-up", "peak, MiB", "without answer, bytes a triangle"})
+    for (const char* name : {"ns a triangle", "speed-up", "peak, MiB", "without result, bytes a triangle"})
         header.emplace_back(name);
     Table table(fmt::format("growth of {}: {}", name_of(query), scene), header);
     nlohmann::json rows = nlohmann::json::array();

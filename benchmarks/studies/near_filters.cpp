@@ -45,7 +45,7 @@ nlohmann::json study(const Step& step, const Effort& effort) {
         contestants.push_back({asked.name, "", "", [=] { detector->find(mesh, asked.query); }, {}});
     }
     const std::vector<Times> times = race(contestants, effort);
-    Table table(step.name, {"asked", "ms", "quartiles", "times one radius", "found"});
+    Table table(step.name, {"query", "ms", "quartiles", "times one radius", "found"});
     nlohmann::json rows = nlohmann::json::array();
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Summary time = times[i].summary(), relative = ratio(times[i], times[0]);

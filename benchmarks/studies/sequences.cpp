@@ -143,7 +143,7 @@ nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     for (std::size_t k = 0; k < kinds.size(); ++k) {
         const Run& run = runs[k];
         if (kinds[k].forgets && !same_clusters(run, runs.back())) {
-            fmt::print("cold centres are left out: the detector did not forget all of them\n");
+            fmt::print("cold centres are left out: the detector still had some of them cached\n");
             continue;
         }
         const Summary all = over_all(run.total);

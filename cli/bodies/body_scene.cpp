@@ -22,14 +22,13 @@ std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& opt
                 ->type_name("A,B")
                 ->allow_extra_args(false),
             app.add_option("--excluded-bodies-from", options.exclude_from,
-                           "The same for all pairs in a file, two names a line with a tab between, as detect --groups "
-                           "bodies lists them")
+                           "The same for all pairs in a file: two names per line, separated by a tab, or a .csv or "
+                           ".json, as detect --groups bodies writes them")
                 ->type_name("FILE"),
             app.add_option("--poses", options.poses,
                            help_under(words.condition,
-                                      "many configurations instead of that of the files. A row of 12 numbers, those of "
-                                      "(A | t) by rows, for each body, configuration after configuration; text or "
-                                      ".npy. " +
+                                      "many configurations instead of that of the files: for each configuration and "
+                                      "body a row of 12 numbers, the rows of its matrix (A | t); text or .npy. " +
                                           std::string(words.rows)))
                 ->type_name("FILE")};
 }
@@ -69,7 +68,7 @@ std::vector<BodyPair> BodyScene::excluded(std::size_t count) const {
 std::vector<Pose> BodyScene::read_poses(const std::string& path) const {
     std::vector<Pose> poses =
         is_standard(path) ? io::read_poses(std::cin, "standard input", names()) : io::read_poses(path, names());
-    if (names().empty() && !poses.empty()) refuse("--poses " + path + ": there is no body to pose");
+    if (names().empty() && !poses.empty()) refuse("--poses " + path + ": the files hold no body to pose");
     return poses;
 }
 

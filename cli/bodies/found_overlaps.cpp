@@ -42,17 +42,19 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
         add_body_options(app, options.bodies,
                          {condition.c_str(), "overlaps of these two bodies are left out",
                           "Rows have the number of their configuration"});
-    const std::string min_volume = help_under(
-        condition,
-        "only pairs of bodies that overlap by at least this volume, in the unit of the coordinates cubed. Without it, "
-        "or for 0, those that touch count, too");
+    const std::string min_volume =
+        help_under(condition,
+                   "only pairs of bodies that overlap by at least this volume, in the unit of the coordinates cubed. "
+                   "Without it, or with 0, pairs that only touch count, too");
     const auto set = [&options](double value) { options.min_volume = value; };
     added.push_back(add_number_option(app, "--min-volume", set, any_volume, min_volume.c_str())->type_name("V"));
-    added.push_back(app.add_flag(
-        "--self-overlaps", options.self,
-        help_under(condition, "also of each body with itself: what it covers twice. Always of a body that is alone")));
-    const std::string open = help_under(
-        condition, "bodies whose surface is not closed are an error where their volume is needed, or are left out");
+    added.push_back(app.add_flag("--self-overlaps", options.self,
+                                 help_under(condition,
+                                            "also the overlap of each body with itself, where it covers space twice. "
+                                            "For a single body this is the default")));
+    const std::string open = help_under(condition,
+                                        "a body whose surface is not closed is an error if its volume is needed "
+                                        "(error, the default), or is left out (skip)");
     added.push_back(add_choice<OpenSurfaces, OpenSurfaces>(
         app, "--open", options.open, {{"error", OpenSurfaces::error}, {"skip", OpenSurfaces::skip}}, open.c_str()));
     return added;
@@ -60,7 +62,7 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
 
 FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const OverlapOptions& options,
                             Output output) {
-    if (scene.names().empty()) refuse("overlaps are those of bodies; " + scene.origins().files + " holds none");
+    if (scene.names().empty()) refuse("overlap needs bodies; " + scene.origins().files + " holds none");
     const auto bodies = static_cast<std::int32_t>(scene.names().size());
     const bool has_configurations = !options.bodies.poses.empty();
     FoundOverlaps result;

@@ -85,7 +85,7 @@ struct Convert {
     void check_not_input() const {
         std::error_code missing;  // set if one of the files does not exist; they differ then
         if (is_standard(input) || is_standard(output) || !std::filesystem::equivalent(input, output, missing)) return;
-        throw Error(ErrorCode::invalid_argument, output + " is the file that is read", Element::option);
+        throw Error(ErrorCode::invalid_argument, output + " is the input; choose another name", Element::option);
     }
 };
 
@@ -95,10 +95,9 @@ Command add_convert(CLI::App& app) {
     const auto convert = std::make_shared<Convert>();
     CLI::App& command = *app.add_subcommand("convert", "Write a mesh in another format");
     command
-        .add_option(
-            "IN", convert->input,
-            "A mesh (PLY, OBJ, STL, OFF), or a scene (glTF, 3MF), whose bodies are put where they are and become "
-            "one mesh; in .3mf and .glb they stay bodies. - is standard input")
+        .add_option("IN", convert->input,
+                    "A mesh (PLY, OBJ, STL, OFF), or a scene (glTF, 3MF), whose posed bodies become one mesh, except "
+                    "in .3mf and .glb, where they stay bodies. - is standard input")
         ->type_name("IN")
         ->required();
     command
@@ -111,8 +110,8 @@ Command add_convert(CLI::App& app) {
     command.footer(
         "Coordinates keep their precision, except in .stl and .glb, which hold float32. Polygons stay polygons,\n"
         "except in .stl, .glb and .3mf. .3mf and .glb keep names and the unit; a .glb is in metres, to which its\n"
-        "bodies are scaled. Colours, normals, texture coordinates, lines and points of OBJ are left out. Files\n"
-        "named .gz are compressed, here and in all commands.\n\n"
+        "bodies are scaled. Colours, normals, texture coordinates, lines and points of OBJ are left out. In all\n"
+        "commands, a file is compressed if its name ends with .gz.\n\n"
         "Example: crumple convert --weld scan.stl scan.ply");
     return {&command, [convert] { return convert->run(); }};
 }

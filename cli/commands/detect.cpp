@@ -55,7 +55,7 @@ struct Detect : SearchCommand {
         if (!query_options.contacts || shows_contacts) return;
         if (!outputs.paths.empty())
             fail("--contacts: coloured meshes hold no contacts; write a .txt, .csv, .json, .npz or .html");
-        if (check) fail("--contacts are not printed with --check, unless by -o");
+        if (check) fail("--contacts needs -o with --check, which prints no pairs");
     }
 
     void write(const std::string& path, const InputMeshes& input, const Intersections& found) const {
@@ -119,9 +119,9 @@ struct Detect : SearchCommand {
             if (only_status() && !stats) query.output = Output::any;
             return search_on_ranks(*this, files, query);
         }
-        if (stream && query_options.of_bodies()) fail("--stream is of triangles, and --groups bodies lists bodies");
+        if (stream && query_options.of_bodies()) fail("--stream does not go with --groups bodies, which lists bodies");
         if (query_options.of_bodies()) {
-            if (stats) fail("--stats are of triangles, and --groups bodies lists bodies");
+            if (stats) fail("--stats does not go with --groups bodies, which lists bodies");
             return detect_bodies(
                 {files, outputs.paths, outputs.format, query_options, bodies, options, check, progress});
         }
@@ -156,19 +156,17 @@ Command add_detect(CLI::App& app) {
     CLI::App& command = *app.add_subcommand("detect", "Find every pair of colliding triangles");
     command
         .add_option("FILE", detect->files,
-                    "A mesh (PLY, OBJ, STL, OFF, glTF, 3MF) against itself, or two against each other; with --groups "
-                    "bodies any "
-                    "number of them. - is standard input")
+                    "A mesh (PLY, OBJ, STL, OFF, glTF, 3MF), searched against itself, or two, searched against each "
+                    "other; with --groups bodies any number of them. - is standard input")
         ->type_name("FILE [FILE_B]")
         ->required()
         ->expected(1, std::numeric_limits<int>::max());
     command
-        .add_option(
-            "-o,--output", detect->outputs.paths,
-            "Pairs as .txt, .csv, .json or .npz, or the mesh with colliding triangles coloured as .ply, .obj, "
-            ".glb, .3mf or .html, a page to turn and zoom; may be repeated. - is standard output, see --format. "
-            "Without it pairs go there, `i j` a line. With --groups bodies: their names as .txt, .csv or .json, or "
-            "the world coloured")
+        .add_option("-o,--output", detect->outputs.paths,
+                    "Pairs as .txt, .csv, .json or .npz, or the mesh with colliding triangles coloured as .ply, .obj, "
+                    ".glb, .3mf or .html, a page to rotate and zoom. May be repeated. - is standard output, see "
+                    "--format. Without it, pairs are printed, one `i j` per line. With --groups bodies: the names as "
+                    ".txt, .csv or .json, or the coloured world")
         ->type_name("OUT")
         ->allow_extra_args(false);
     add_format_option(command, detect->outputs.format, "txt|csv|json|npz|ply|glb|3mf|html");
@@ -176,14 +174,13 @@ Command add_detect(CLI::App& app) {
     add_detect_body_options(command, detect->bodies);
     add_polygons_option(command, detect->query_options);
     command.add_flag("--contacts", detect->query_options.contacts,
-                     "Also where each pair meets: its kind and its points");
+                     "Also list where each pair meets: the kind of the contact and its points");
     command.add_flag(
         "--check", detect->check,
-        "Exit with status 1 if anything collides. Without -o that is all that is searched for, and one line is "
-        "printed");
+        "Exit with status 1 if anything collides. Without -o, nothing else is computed, and one line is printed");
     command.add_flag("--stream", detect->stream,
-                     "Write pairs, as .txt or .csv, while they are found, for results that exceed memory: in an order "
-                     "of its own, which does not depend on threads");
+                     "Write pairs, as .txt or .csv, while they are found, for results that exceed memory. Their order "
+                     "differs from that without --stream, and does not depend on threads");
     command.add_flag("--stats", detect->stats, "Print times and counts of the stages to standard error");
     add_progress_option(command, detect->progress);
     add_cost_options(command, detect->options);
@@ -191,14 +188,14 @@ Command add_detect(CLI::App& app) {
         "Example: crumple detect dress.ply body.obj -o dress.glb -o pairs.csv --contacts\n"
         "         crumple detect robot.glb --groups bodies --excluded-bodies base,arm -o hits.glb\n"
         "         mpirun -n 16 crumple detect scan.ply -o pairs.csv --stats\n\n"
-        "On several processes: where the program was built with CRUMPLE_MPI, and mpirun,\n"
-        "mpiexec or srun has started it, all ranks share the work on one mesh against\n"
-        "itself. Each reads its part of a binary PLY of triangles or of a binary STL; any\n"
-        "other file is read by rank 0. Each writes its rows of .txt and .csv. The bytes of\n"
-        "the lists are those of one process. Two meshes, --groups components and bodies,\n"
-        "--polygons, --part, --stream and coloured meshes are not shared. --memory-limit and\n"
-        "--threads are each rank's own; without --threads ranks divide the cores. With\n"
-        "CRUMPLE_MPI=0 in the environment each process is alone.");
+        "On several processes: if the program was built with CRUMPLE_MPI and started by mpirun,\n"
+        "mpiexec or srun, all ranks share the search of one mesh against itself. Each rank reads\n"
+        "its part of a binary PLY of triangles or of a binary STL; rank 0 reads any other file.\n"
+        "Each rank writes its rows of .txt and .csv. The lists are those of one process, byte for\n"
+        "byte. Two meshes, --groups components and bodies, --polygons, --part, --stream and\n"
+        "coloured meshes are not supported on several ranks. --memory-limit and --threads apply to\n"
+        "each rank; without --threads, ranks divide the cores. With CRUMPLE_MPI=0 in the\n"
+        "environment, each process works alone.");
     return {&command, [detect] { return detect->run(); }, true};
 }
 

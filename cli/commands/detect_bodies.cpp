@@ -35,7 +35,8 @@ void check_output_formats(const BodyTask& task) {
         const std::string extension = extension_of(path, task.format);
         if (list_format(extension)) continue;
         const bool picture = io::has_colours(io::mesh_format_of(extension));
-        if (picture && !task.bodies.poses.empty()) refuse("-o " + path + ": --poses give rows, as .txt, .csv or .json");
+        if (picture && !task.bodies.poses.empty())
+            refuse("-o " + path + ": with --poses, rows are written as .txt, .csv or .json");
         if (!picture)
             refuse("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + task.format : "") +
                    ": bodies are written as .txt, .csv or .json, coloured as .glb, .3mf, .ply, .obj or .html");
@@ -79,7 +80,7 @@ void write(const std::string& path, const List& list, ListFormat format) {
 }
 
 void print_skipped(const BodyScene& scene, const std::set<std::int32_t>& bodies) {
-    scene.print_skipped(bodies, "what lies inside does not count");
+    scene.print_skipped(bodies, "what lies inside does not collide");
 }
 
 /// Returns the pairs sorted, each once.
@@ -213,23 +214,23 @@ int find_configurations(const BodyTask& task, SearchSession& search, const BodyS
 void add_detect_body_options(CLI::App& app, DetectBodyOptions& options) {
     add_body_options(app, options,
                      {"With --groups bodies: ", "these two bodies may collide; A,A: with itself",
-                      "For each configuration a row tells its number, whether anything collides, and how many pairs of "
-                      "bodies do"});
+                      "The output has a row for each configuration: its number, whether anything collides, and how "
+                      "many pairs of bodies do"});
     app.add_flag("--any-by-world", options.any,
-                 "With --poses: only whether anything collides in each configuration, which is a world; faster");
+                 "With --poses: list only whether anything collides in each configuration, which is a world; faster");
     app.add_flag("--containment", options.containment,
-                 "With --groups bodies: a body inside another one collides with it, too, although their surfaces do "
-                 "not meet; lists then say which pairs are such, and pictures colour whole bodies");
+                 "With --groups bodies: a body inside another one also collides with it, although their surfaces do "
+                 "not meet. Lists mark such pairs, and pictures colour whole bodies");
     add_choice<std::optional<OpenSurfaces>, OpenSurfaces>(
         app, "--open", options.open, {{"error", OpenSurfaces::error}, {"skip", OpenSurfaces::skip}},
-        "With --containment: bodies whose surface is not closed are an error where it matters what lies inside them, "
-        "or nothing does");
+        "With --containment: a body whose surface is not closed is an error if something might lie inside it (error, "
+        "the default), or contains nothing (skip)");
 }
 
 void check_detect_body_options(const DetectBodyOptions& options, const QueryOptions& query_options) {
     if (options.any && options.poses.empty())
-        refuse("--any-by-world changes nothing without --poses; --check tells whether anything collides");
-    if (options.open && !options.containment) refuse("--open changes nothing without --containment");
+        refuse("--any-by-world needs --poses; to find out whether anything collides, use --check");
+    if (options.open && !options.containment) refuse("--open needs --containment");
     if (query_options.of_bodies()) return;
     if (options.containment) refuse("--containment needs --groups bodies");
     if (!options.excluded.empty()) refuse("--excluded-bodies needs --groups bodies");

@@ -137,7 +137,7 @@ struct ImpactsCommand : SearchCommand {
 Command add_impacts(CLI::App& app) {
     const auto impacts = std::make_shared<ImpactsCommand>();
     CLI::App& command =
-        *app.add_subcommand("impacts", "Find what touches on the way from one mesh to another, and when");
+        *app.add_subcommand("impacts", "Find all features that touch in the step from one mesh to another, and when");
     command
         .add_option("START", impacts->start,
                     "A mesh (PLY, OBJ, STL, OFF, glTF, 3MF) at the start of a step. - is standard input")
@@ -145,38 +145,38 @@ Command add_impacts(CLI::App& app) {
         ->required();
     command
         .add_option("END", impacts->end,
-                    "The same mesh at the end: its vertices go there straight. Candidates may be without: at rest")
+                    "The same mesh at the end of the step; each vertex moves in a straight line. With --candidates it "
+                    "may be missing: then nothing moves")
         ->type_name("END");
     command.add_flag("--triangle-pairs", impacts->triangle_pairs,
                      "List pairs of triangles instead, also those that intersect at the start");
-    command.add_flag("--candidates", impacts->lists_candidates,
-                     "List candidates instead: all features whose boxes overlap on the way, for a narrow phase of your "
-                     "own");
+    command.add_flag(
+        "--candidates", impacts->lists_candidates,
+        "List candidates instead: all pairs of features whose boxes overlap in the step, for your own narrow phase");
     add_output_options(command, impacts->outputs, "Impacts or candidates",
-                       "the mesh at the start with what is hit coloured by time");
+                       "the mesh at the start with triangles coloured by the time of their first impact");
     add_motion_options(command, impacts->motion);
-    command.add_flag("--first", impacts->first, "Only the first impact, which is found faster");
+    command.add_flag("--first", impacts->first, "Only the first impact; faster");
     impacts->of_candidates = add_candidate_options(command, impacts->candidates, "--candidates");
     add_search_command_options(
         command, *impacts,
-        "Exit with status 1 if anything touches. Without -o that is all that is searched for, and one line is printed");
+        "Exit with status 1 if anything touches. Without -o, nothing else is computed, and one line is printed");
     for (const char* const name :
          {"--triangle-pairs", "--first", "--min-distance", "--min-distance-share", "--approaching-only", "--check"})
         impacts->of_impacts.push_back(command.get_option(name));
     command.footer(
         "A line `vf V F T S`: vertex V touches face F at time T, from 0 to 1 and rounded down; S is 1 if they touch\n"
-        "at the start. `ee A B C D T S`: the edge from A to B touches that from C to D. --weld is about neighbours\n"
+        "at the start. `ee A B C D T S`: the edge from A to B touches that from C to D. --weld affects neighbours\n"
         "only: vertices that coincide at the start and at the end count as one, and keep their own ids. Lines and\n"
-        "points of OBJ (l, p) count, too: `ve V A B T S`, `vv V W T S`.\n"
-        "Pairs of triangles are `ff F G T S`: they intersect at the start, or the first of their features touch at T.\n"
-        "Candidates are listed likewise, without T and S: `vf V F`, `ee A B C D`, `ef A B F`, `ff F G`, `ve V A B`,\n"
-        "`vv V W`. Two features are one if no vertex is common and on every axis the gap between their boxes, which\n"
-        "hold start and end, is at most twice --inflation.\n\n"
+        "points of OBJ (l, p) are searched, too: `ve V A B T S`, `vv V W T S`.\n"
+        "Pairs of triangles are `ff F G T S`: they intersect at the start, or the first of their features touch at\n"
+        "T. Candidates are listed likewise, without T and S: `vf V F`, `ee A B C D`, `ef A B F`, `ff F G`,\n"
+        "`ve V A B`, `vv V W`. Two features are a candidate if they have no common vertex, and on every axis the gap\n"
+        "between their boxes, which contain start and end, is at most twice --inflation.\n\n"
         "Example: crumple impacts cloth_092.ply cloth_093.ply -o impacts.csv -o impacts.glb\n"
         "         crumple impacts cloth_092.ply cloth_093.ply --candidates --inflation 0.001 -o candidates.npz\n\n"
-        "Processes that mpirun has started share the work, as of crumple detect; not --triangle-pairs and "
-        "--candidates,\n"
-        "--stream, coloured meshes, lines and points.");
+        "Processes started by mpirun share the work, as for crumple detect. --triangle-pairs, --candidates,\n"
+        "--stream, coloured meshes, lines and points are not supported on several ranks.");
     return {&command, [impacts] { return impacts->run(); }, true};
 }
 

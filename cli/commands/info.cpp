@@ -150,7 +150,7 @@ class Printer {
     }
 
     std::string volume_of(const Report& report) const {
-        if (!report.volume) return "none, for the surface is not closed, or not consistently oriented";
+        if (!report.volume) return "none: the surface is not closed, or not consistently oriented";
         return fmt::format("{:.6g}{}{}", *report.volume,
                            unit_ == io::Unit::unknown ? "" : fmt::format(" {}^3", io::name_of(unit_)),
                            *report.volume < 0 ? ": the surface is inside out" : "");
@@ -285,7 +285,7 @@ std::string describe_devices() {
 Command add_info(CLI::App& app) {
     const auto info = std::make_shared<Info>();
     CLI::App& command =
-        *app.add_subcommand("info", "Tell what a mesh file holds, and whether it is the surface of a solid");
+        *app.add_subcommand("info", "Show what a mesh file contains, and whether it is the surface of a solid");
     command
         .add_option("FILE", info->file,
                     "A mesh (PLY, OBJ, STL, OFF), a scene (.glb, .gltf, .3mf), or - for standard input")
@@ -295,18 +295,18 @@ Command add_info(CLI::App& app) {
     command.add_flag("--json", info->json, "Write the same as JSON");
     command.add_flag("--check", info->check,
                      "Exit with status 1 unless every body is closed, consistently oriented, and without degenerate "
-                     "triangles. Whether it passes through itself is for detect --check");
+                     "triangles. To check whether a body passes through itself, use detect --check");
     command.add_flag("--open-edges", info->open_edges,
-                     "List all edges of a body that its triangles name more often in one direction than in the other, "
-                     "with the lowest of these triangles. crumple overlap needs bodies without any. Edges of two "
-                     "triangles that run along them in the same direction are among them");
+                     "List all open edges of each body: those that occur in its triangles more often in one direction "
+                     "than in the other, such as an edge that two triangles traverse in the same direction; each with "
+                     "the lowest of these triangles. crumple overlap needs bodies without open edges");
     // Uses CLI11's version flag, because that needs no file, prints a text and exits.
     command.set_version_flag("--devices", describe_devices,
-                             "List the devices of the cuda backend, or why there is none, and exit");
+                             "List the devices of the cuda backend, or the reason why there is none, and exit");
     command.footer(
         "Closed: every edge has two triangles, or another even number. Degenerate and duplicated triangles are found\n"
-        "by exact tests on positions; edges, holes and components go by vertex index, so files without shared\n"
-        "vertices want --weld. Bodies of a scene are told of where they are posed.\n"
+        "by exact tests on positions; edges, holes and components depend on vertex indices, so files without shared\n"
+        "vertices need --weld. Bodies of a scene are described under their poses.\n"
         "Example: crumple info part.stl --check\n"
         "         crumple info scan.ply --weld --open-edges");
     return {&command, [info] { return info->run(); }};

@@ -32,7 +32,7 @@ std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOp
     const CLI::Option* const inflation =
         add_number_option(
             app, "--inflation", [&options](double value) { options.inflation = value; }, any_distance,
-            ("With " + with + ": by how much each box is grown on all sides; without it not at all").c_str())
+            ("With " + with + ": by how much each box is inflated on all sides; 0 by default").c_str())
             ->type_name("R");
     const auto add = [&options](const std::vector<std::string>& names) {
         for (const std::string& name : names) options.kinds.push_back(chosen("--kinds", name, kinds_by_name()));
@@ -40,8 +40,8 @@ std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOp
     const CLI::Option* const kinds =
         app.add_option_function<std::vector<std::string>>(
                "--kinds", add,
-               "With " + with + ": which pairs are listed, by commas: " + words_of(kinds_by_name()) +
-                   "; without it vertex_face,edge_edge")
+               "With " + with + ": kinds of pairs to list, separated by commas: " + words_of(kinds_by_name()) +
+                   "; vertex_face,edge_edge by default")
             ->type_name("KIND,...")
             ->delimiter(',')
             ->allow_extra_args(false);

@@ -26,7 +26,7 @@ struct Make {
 
     int run() {
         if (list) {
-            if (!scene.empty() || !output.empty()) fail("--list makes no scene");
+            if (!scene.empty() || !output.empty()) fail("--list does not go with SCENE or -o");
             to_standard_output([&](std::ostream& out) {
                 out << fmt::format("{:<14}{:>10}{:>8}  {}\n", "scene", "triangles", "frames", "what it is");
                 for (const scenes::Description& s : scenes::descriptions()) {
@@ -35,8 +35,8 @@ struct Make {
             });
             return done;
         }
-        if (scene.empty()) fail("make needs a SCENE; --list names them");
-        if (output.empty()) fail("make needs a file to write: -o FILE");
+        if (scene.empty()) fail("make needs a SCENE; --list shows all scenes");
+        if (output.empty()) fail("make needs -o FILE, the file to write");
         check_format({output}, format);
         const io::MeshFormat mesh_format = io::mesh_format_of(extension_of(output, format));
         if (!io::holds_meshes(mesh_format)) {  // checked first, because a simulation may take minutes
@@ -82,15 +82,20 @@ struct Make {
 Command add_make(CLI::App& app) {
     const auto make = std::make_shared<Make>();
     CLI::App& command = *app.add_subcommand("make", "Make a procedural or simulated scene");
-    command.add_option("SCENE", make->scene, "Its name; see --list")->type_name("SCENE");
+    command.add_option("SCENE", make->scene, "Name of the scene; see --list")->type_name("SCENE");
     command.add_flag("--list", make->list, "List the scenes and do nothing else");
-    command.add_option("--triangles", make->parameters.triangles, "About how many; without it the scene's own number")
+    command
+        .add_option("--triangles", make->parameters.triangles,
+                    "Approximate number of triangles; without it, the scene's default")
         ->type_name("N")
         ->check(integer(1, 500'000'000));
-    command.add_option("--frame", make->frame, "Which frame, from 0; without it the last")->type_name("I");
+    command.add_option("--frame", make->frame, "Number of the frame to write, from 0; without it, the last one")
+        ->type_name("I");
     command.add_flag("--all-frames", make->all_frames,
                      "Write every frame; FILE gets the frame's number before its extension");
-    command.add_option("--seed", make->parameters.seed, "Other numbers give other scenes of the same kind")
+    command
+        .add_option("--seed", make->parameters.seed,
+                    "Seed of the random numbers: other seeds give other scenes of the same kind")
         ->type_name("N")
         ->check(integer(0, std::numeric_limits<std::int64_t>::max()));
     command

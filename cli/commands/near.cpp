@@ -35,7 +35,7 @@ struct NearCommand : SearchCommand {
     int run() const {
         outputs.check("near pairs");
         check_stream();
-        if (!near.radius && filters.radii.empty()) refuse("near: --radius is required, or --radii");
+        if (!near.radius && filters.radii.empty()) refuse("near: --radius or --radii is required");
         std::vector<std::string> inputs = files;
         for (const std::string& file : filters.files()) inputs.push_back(file);
         if (Ranks::count() > 1) return list_on_ranks();
@@ -69,34 +69,35 @@ struct NearCommand : SearchCommand {
 
 Command add_near(CLI::App& app) {
     const auto near = std::make_shared<NearCommand>();
-    CLI::App& command = *app.add_subcommand("near", "Find what is within a distance");
+    CLI::App& command = *app.add_subcommand("near", "Find all features within a distance of each other");
     command
-        .add_option(
-            "FILE", near->files,
-            "A mesh (PLY, OBJ, STL, OFF, glTF, 3MF), or two: then what is near between them. - is standard input")
+        .add_option("FILE", near->files,
+                    "A mesh (PLY, OBJ, STL, OFF, glTF, 3MF), or two: then only pairs between the two are listed. - is "
+                    "standard input")
         ->type_name("FILE [FILE_B]")
         ->required()
         ->expected(1, 2);
     CLI::Option* const radius =
         add_number_option(
             command, "--radius", [&options = near->near](double value) { options.radius = value; }, any_distance,
-            "Near is what is at most so far away, in the units of the coordinates")
+            "Features are near if their distance is at most R, in the units of the coordinates")
             ->type_name("R");
     add_below_option(command, near->near);
     add_near_filter_options(command, near->filters);
     radius->excludes("--radii");
-    add_output_options(command, near->outputs, "Near pairs", "the mesh with what is near coloured by distance");
+    add_output_options(command, near->outputs, "Near pairs", "the mesh with triangles coloured by distance");
     add_search_command_options(
         command, *near,
-        "Exit with status 1 if anything is near. Without -o that is all that is searched for, and one line is printed");
+        "Exit with status 1 if anything is near. Without -o, nothing else is computed, and one line is printed");
     command.footer(
-        "A line `vf V F Q`: vertex V and face F are near, Q is the square of their distance, rounded to nearest.\n"
-        "`ee A B C D Q`: the edge from A to B and that from C to D. Between two files an id is 0:ID or 1:ID. What\n"
-        "shares a vertex is not near. Lines and points of OBJ (l, p) count, too: `ve V A B Q`, `vv V W Q`.\n"
-        "Cloth of some thickness: --radii with half of it, --rings 2, and the cloth as it was cut as --rest.\n"
-        "\nExample: crumple near dress.ply body.obj --radius 0.005 -o near.csv\n\n"
-        "Processes that mpirun has started share the work on one mesh, as of crumple detect; not --radii, --rest,\n"
-        "--rings, --stream, coloured meshes, lines and points.");
+        "A line `vf V F Q`: vertex V and face F are near; Q is the square of their distance, rounded to nearest.\n"
+        "`ee A B C D Q`: the edge from A to B and that from C to D are near. Between two files an id is 0:ID or\n"
+        "1:ID. Features with a common vertex are not listed. Lines and points of OBJ (l, p) are searched, too:\n"
+        "`ve V A B Q`, `vv V W Q`. For cloth with a thickness: --radii with half of it, --rings 2, and --rest with\n"
+        "the cloth as it was cut.\n\n"
+        "Example: crumple near dress.ply body.obj --radius 0.005 -o near.csv\n\n"
+        "Processes started by mpirun share the work on one mesh, as for crumple detect. --radii, --rest, --rings,\n"
+        "--stream, coloured meshes, lines and points are not supported on several ranks.");
     return {&command, [near] { return near->run(); }, true};
 }
 

@@ -47,16 +47,16 @@ struct OverlapCommand : SearchCommand {
         for (const std::string& path : outputs.paths) {
             if (!is_picture(path)) continue;
             if (!overlap.bodies.poses.empty())
-                refuse("-o " + path + ": --poses give rows, as .txt, .csv, .json or .npz");
+                refuse("-o " + path + ": with --poses, rows are written as .txt, .csv, .json or .npz");
             if (is_standard(path) && outputs.format == "obj")
                 refuse("-o - --format obj: a coloured .obj needs a file beside it");
         }
         if (!overlap.bodies.any) return;
         if (overlap.bodies.poses.empty())
-            refuse("--any-by-world changes nothing without --poses; --check tells whether anything overlaps");
+            refuse("--any-by-world needs --poses; to find out whether anything overlaps, use --check");
         for (const std::string& path : outputs.paths)
             if (extension_of(path, outputs.format) == ".npz")
-                refuse("-o " + path + ": --any-by-world gives rows, as .txt, .csv or .json");
+                refuse("-o " + path + ": with --any-by-world, rows are written as .txt, .csv or .json");
     }
 
     void write_configurations(const BodyScene& scene, const FoundOverlaps& found) const {
@@ -136,13 +136,13 @@ struct OverlapCommand : SearchCommand {
 
 Command add_overlap(CLI::App& app) {
     const auto overlap = std::make_shared<OverlapCommand>();
-    CLI::App& command = *app.add_subcommand("overlap", "Find how much closed bodies overlap, and which way out");
+    CLI::App& command =
+        *app.add_subcommand("overlap", "Measure how much closed bodies overlap, and in which direction they separate");
     command
         .add_option(
             "FILE", overlap->files,
-            "Files whose bodies are one world: the nodes of glTF scenes, the objects of 3MF, and any other "
-            "mesh (PLY, OBJ, STL, OFF) as one body. A body that is alone is asked for its overlap with itself. - "
-            "is standard input")
+            "Files whose bodies form one world: the nodes of glTF scenes, the objects of 3MF, and any other mesh (PLY, "
+            "OBJ, STL, OFF) as one body. For a single body, the overlap with itself is computed. - is standard input")
         ->type_name("FILE ...")
         ->required()
         ->expected(1, std::numeric_limits<int>::max());
@@ -150,34 +150,32 @@ Command add_overlap(CLI::App& app) {
         .add_option("-o,--output", overlap->outputs.paths,
                     "All numbers as .csv, .json or .npz, which read back exactly, or the text as .txt; or a picture as "
                     ".html, .glb, .3mf or .obj, in which the surface of the overlaps is seen through the bodies, or as "
-                    ".ply, which holds that surface alone. May be repeated. - is standard output, see --format. "
-                    "Without it the text goes there")
+                    ".ply, which contains only that surface. May be repeated. - is standard output, see --format. "
+                    "Without it, the text is printed")
         ->type_name("OUT")
         ->allow_extra_args(false);
     add_format_option(command, overlap->outputs.format, "txt|csv|json|npz|html|glb|3mf|ply");
-    command.add_flag("--check", overlap->check,
-                     "Exit with status 1 if bodies overlap or touch. Without -o that is all that is searched for, and "
-                     "one line is printed");
+    command.add_flag(
+        "--check", overlap->check,
+        "Exit with status 1 if bodies overlap or touch. Without -o, nothing else is computed, and one line is printed");
     CLI::Option* const body_pairs =
         command.add_flag("--body-pairs", overlap->body_pairs,
-                         "Only which bodies overlap or touch, and how: without volumes and normals");
+                         "List only which bodies overlap or touch, and how, without volumes and normals");
     add_overlap_options(command, overlap->overlap, "");
     command.add_flag("--any-by-world", overlap->overlap.bodies.any,
-                     "With --poses: only whether bodies overlap or touch in each configuration, which is a world");
+                     "With --poses: list only whether bodies overlap or touch in each configuration, which is a world");
     body_pairs->excludes("--any-by-world");
     command.add_flag("--stats", overlap->stats, "Print times and counts of the stages to standard error");
     add_progress_option(command, overlap->progress);
     add_reading_options(command, overlap->query_options);
     add_cost_options(command, overlap->options);
     command.footer(
-        "A line tells of two bodies whether they touch, overlap, or which lies inside the other; the volume that both\n"
-        "cover; the mean depth, which is that volume over the length of its derivative; and the normal: against it "
-        "the\n"
-        "first body leaves fastest. A body overlaps itself where it covers space twice. Bodies are closed surfaces, "
-        "counter-clockwise seen from outside; crumple info "
-        "tells\n"
-        "where one is not. STL files and glTF scenes are welded, other files whose faces share no vertices want "
-        "--weld.\n\n"
+        "Each line has two bodies: whether they touch or overlap, or which lies inside the other; the volume that\n"
+        "both cover; the mean depth, which is that volume divided by the length of its derivative; and the normal:\n"
+        "moving the first body against it reduces the volume fastest. A body overlaps itself where it covers space\n"
+        "twice. Bodies must be closed surfaces, counter-clockwise seen from outside; crumple info --open-edges lists\n"
+        "where one is not closed. STL files and glTF scenes are welded; other files whose faces share no vertices\n"
+        "need --weld.\n\n"
         "Example: crumple overlap lid.stl pot.stl\n"
         "         crumple overlap lid.stl pot.stl -o overlap.html\n"
         "         crumple overlap robot.glb --excluded-bodies base,arm --min-volume 1e-9 -o overlaps.csv");

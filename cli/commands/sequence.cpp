@@ -69,10 +69,10 @@ struct Sequence {
                 pictures.push_back(path);
         }
         if (scene.empty() && (parameters.triangles || parameters.seed != scenes::Parameters().seed))
-            fail("--triangles and --seed are for a --scene");
+            fail("--triangles and --seed need --scene");
         SequenceFrames frames(files, scene, parameters);
         check_outputs(files_written(pictures, frames.count()), files, query_options);
-        if (impacts && frames.count() < 2) fail("--impacts is of two frames or more");
+        if (impacts && frames.count() < 2) fail("--impacts needs two frames or more");
         SearchSession search(query_options, impacts ? feature_options(options) : options);
         if (standard.empty()) return find(search, frames, tables, {pictures, nullptr, frames.count()});
         int status = done;
@@ -169,32 +169,30 @@ Command add_sequence(CLI::App& app) {
         ->type_name("FRAME...");
     command
         .add_option("--scene", sequence->scene,
-                    "All frames of a procedural or simulated scene instead; see make --list")
+                    "Search all frames of a procedural or simulated scene instead; see make --list")
         ->type_name("NAME");
-    command.add_option("--triangles", sequence->parameters.triangles, "Of the scene: about how many")
+    command.add_option("--triangles", sequence->parameters.triangles, "Approximate number of triangles of the scene")
         ->type_name("N")
         ->check(integer(1, 500'000'000));
-    command.add_option("--seed", sequence->parameters.seed, "Of the scene")
+    command.add_option("--seed", sequence->parameters.seed, "Seed of the scene's random numbers")
         ->type_name("N")
         ->check(integer(0, std::numeric_limits<std::int64_t>::max()));
     command
-        .add_option(
-            "-o,--output", sequence->outputs,
-            "Table of triangles, pairs, time and stages, a row a frame, as .csv or .json; or coloured meshes, "
-            "as one animated .glb or numbered .ply or .obj. May be repeated. - is standard output, see --format. "
-            "Without it CSV goes there")
+        .add_option("-o,--output", sequence->outputs,
+                    "Table with one row per frame, of triangles, pairs, time and stages, as .csv or .json; or coloured "
+                    "meshes, as one animated .glb or numbered .ply or .obj. May be repeated. - is standard output, see "
+                    "--format. Without it, the table is printed as CSV")
         ->type_name("OUT")
         ->allow_extra_args(false);
-    command.add_flag("--json", sequence->json, "JSON instead of CSV on standard output");
+    command.add_flag("--json", sequence->json, "Print the table as JSON instead of CSV");
     add_format_option(command, sequence->format, "csv|json|glb");
-    command.add_flag(
-        "--impacts", sequence->impacts,
-        "What touches on the way from each frame to the next, a row a step: how many impacts, and the time of "
-        "the earliest. Frames have the same faces then");
+    command.add_flag("--impacts", sequence->impacts,
+                     "Find what touches in the steps from each frame to the next, one row per step: the number of "
+                     "impacts, and the time of the first. All frames must have the same faces");
     add_motion_options(command, sequence->motion);
     add_query_options(command, sequence->query_options);
     command.add_flag("--contacts", sequence->query_options.contacts,
-                     "Also compute where each pair meets; the time is a part of the stage output");
+                     "Also compute where each pair meets; this time counts towards the stage `output`");
     command.add_flag("--check", sequence->check,
                      "Exit with status 1 if anything collides in any frame, or touches in any step");
     command.add_flag("--stats", sequence->stats, "Print times and counts, summed over all frames, to standard error");

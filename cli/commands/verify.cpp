@@ -89,22 +89,18 @@ struct Verify {
 Command add_verify(CLI::App& app) {
     const auto verify = std::make_shared<Verify>();
     CLI::App& command = *app.add_subcommand(
-        "verify",
-        "Tell whether a list of pairs, impacts, candidates, near pairs or overlaps is the whole result and nothing "
-        "else");
+        "verify", "Check whether a list of pairs, impacts, candidates, near pairs or overlaps is complete and correct");
     command
         .add_option("FILE", verify->files,
                     "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, "
-                    "a .npy, or "
-                    "text, the first two integers of each line. One of them may be -, standard input. With --impacts "
-                    "START, END and a list of impacts; with --candidates START, perhaps END, and a list of candidates; "
-                    "with --radius one mesh or two and a list of near pairs; with --overlaps any number of files of "
-                    "bodies, and a list of overlaps")
+                    "a .npy, or text, of which the first two integers of each line are read. One of the files may be "
+                    "-, standard input. With --impacts: START, END and a list of impacts; with --candidates: START, "
+                    "optionally END, and a list of candidates; with --radius: one mesh or two, and a list of near "
+                    "pairs; with --overlaps: any number of files of bodies, and a list of overlaps")
         ->type_name("FILE [FILE_B] PAIRS")
         ->required()
         ->expected(2, std::numeric_limits<int>::max());
-    command
-        .add_option("--format", verify->format, "What the list holds that comes from standard input; text without it")
+    command.add_option("--format", verify->format, "Format of a list that is read from standard input; txt by default")
         ->type_name("txt|csv|json|npz|npy");
     add_feature_check_options(command, verify->features);
     add_overlap_check_options(command, verify->overlaps);
@@ -112,8 +108,9 @@ Command add_verify(CLI::App& app) {
     add_polygons_option(command, verify->query_options);
     add_cost_options(command, verify->options);
     command.footer(
-        "Prints the counts and the first few of what is missing, extra or repeated; exits with status 1 if anything "
-        "is.\nExample: crumple verify bunny.ply theirs.txt --neighbours skip\n"
+        "Prints how many rows are missing, extra or repeated, and the first few of them; exits with status 1 if the\n"
+        "list is wrong.\n"
+        "Example: crumple verify bunny.ply theirs.txt --neighbours skip\n"
         "         crumple verify --impacts cloth_092.ply cloth_093.ply theirs.txt\n"
         "         crumple verify --overlaps lid.stl pot.stl overlaps.csv");
     return {&command, [verify] { return verify->run(); }};

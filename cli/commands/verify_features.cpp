@@ -93,8 +93,8 @@ auto read_list(const std::string& path, const std::string& format, bool two_file
     const std::string name = is_standard(path) ? "standard input" + (format.empty() ? "" : "." + format) : path;
     auto list = is_standard(path) ? read_stream(std::cin, name) : read_file(path);
     if (!list.rows.empty() && list.has_bodies != two_files)
-        refuse(name +
-               (two_files ? ": ids of two files are 0:ID and 1:ID" : ": ids of one mesh have no number of a file"));
+        refuse(name + (two_files ? ": ids of two files must be 0:ID or 1:ID"
+                                 : ": ids of one mesh must have no file number, 0: or 1:"));
     return list;
 }
 
@@ -145,7 +145,7 @@ bool FeatureCheck::is_requested(const QueryOptions& query_options) const {
     for (const CLI::Option* const option : of_candidates)
         if (*option && !candidates) refuse(option->get_name() + " needs --candidates");
     if (impacts + candidates + near.radius.has_value() > 1)
-        refuse("--impacts, --candidates and --radius are of three queries");
+        refuse("--impacts, --candidates and --radius exclude each other");
     if (!impacts && !candidates && !near.radius) return false;
     refuse_beside_features(impacts ? "--impacts" : candidates ? "--candidates" : "--radius", query_options);
     return true;
@@ -153,17 +153,17 @@ bool FeatureCheck::is_requested(const QueryOptions& query_options) const {
 
 void add_feature_check_options(CLI::App& app, FeatureCheck& check) {
     app.add_flag("--impacts", check.impacts,
-                 "The list is one of impacts, as crumple impacts writes it, and so are the other files: START and END. "
-                 "Besides what is missed or false, times are checked: late, or early");
+                 "The list has impacts, as crumple impacts writes it; the other files are START and END. Besides "
+                 "missed and false impacts, reports times that are late or early");
     add_motion_options(app, check.motion);
     app.add_flag("--candidates", check.candidates,
-                 "The list is one of candidates, as crumple impacts --candidates writes it, and so are the other "
-                 "files: START and perhaps END");
+                 "The list has candidates, as crumple impacts --candidates writes it; the other files are START and "
+                 "optionally END");
     check.of_candidates = add_candidate_options(app, check.candidate_options, "--candidates");
     add_number_option(
         app, "--radius", [&check](double value) { check.near.radius = value; }, any_distance,
-        "The list is one of near pairs within this radius, as crumple near --radius writes it. Squared distances are "
-        "checked, too: far, or close")
+        "The list has near pairs within this radius, as crumple near --radius writes it. Besides missed and false "
+        "pairs, reports squared distances that are far (too large) or close (too small)")
         ->type_name("R");
     add_below_option(app, check.near);
 }

@@ -79,19 +79,19 @@ bool OverlapCheck::is_requested(const FeatureCheck& features, const QueryOptions
     for (const CLI::Option* const option : of_overlaps)
         if (*option && !overlaps) refuse(option->get_name() + " needs --overlaps");
     if (!overlaps) return false;
-    if (features.any()) refuse("--impacts, --candidates, --radius and --overlaps are of four queries");
+    if (features.any()) refuse("--impacts, --candidates, --radius and --overlaps exclude each other");
     (void)features.is_requested(query_options);  // throws if an option is given that needs --impacts and so on
     refuse_beside_features("--overlaps", query_options);
-    if (!query_options.groups.empty()) refuse("--groups does not go with --overlaps, which are those of bodies");
+    if (!query_options.groups.empty()) refuse("--groups does not go with --overlaps, which are between bodies");
     if (query_options.filter) refuse("--filter does not go with --overlaps, which are between bodies");
     return true;
 }
 
 void add_overlap_check_options(CLI::App& app, OverlapCheck& check) {
-    app.add_flag("--overlaps", check.overlaps,
-                 "The list is one of overlaps, a .csv, .json or .npz as crumple overlap -o writes it, and the other "
-                 "files hold the bodies. Besides what is missed or false, relations and all numbers are checked, to "
-                 "the last bit");
+    app.add_flag(
+        "--overlaps", check.overlaps,
+        "The list has overlaps, a .csv, .json or .npz as crumple overlap -o writes it; the other files contain the "
+        "bodies. Besides missed and false overlaps, reports relations and numbers that differ, even in the last bit");
     check.of_overlaps = add_overlap_options(app, check.options, "With --overlaps: ");
 }
 

@@ -185,7 +185,7 @@ int search(RankLink& link, const SearchCommand& command, const std::vector<std::
 }  // namespace
 
 void refuse_on_ranks(const std::string& what) {
-    throw Error(ErrorCode::invalid_argument, what + " is not shared among ranks: run it in one process",
+    throw Error(ErrorCode::invalid_argument, what + " is not supported on several ranks: run it in one process",
                 Element::option);
 }
 

@@ -80,7 +80,7 @@ constinit thread_local Block* Block::last_ = nullptr;
 
 Block::Block() : random_(settings().seed) {
     void* pages = mmap(nullptr, arena_bytes + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (pages == MAP_FAILED) fail("no memory for a block");
+    if (pages == MAP_FAILED) fail("the host has no memory left for a block");
     arena_ = static_cast<std::byte*>(pages);
     mprotect(arena_ + arena_bytes, page, PROT_NONE);
     lanes_ = new Lane*[most_threads];
@@ -310,7 +310,7 @@ void Block::meet(const Site& site, bool fence, void* contribution, Combine combi
     Thread& me = lanes_[rank_]->thread;
     Meeting& meeting = *barrier_;
     if (alive_ < size_)
-        fail_in_kernel("comes to %s at %s:%d, which %u threads that have exited will never reach", site.what, site.file,
+        fail_in_kernel("reaches %s at %s:%d, which %u threads that have exited will never reach", site.what, site.file,
                        site.line, size_ - alive_);
     if (meeting.count == 0) meeting.site = site;
     if (!same(meeting.site, site))

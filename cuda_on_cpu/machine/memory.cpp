@@ -99,10 +99,10 @@ void check(const Allocation& a) {
     const Mapping m = mapping_of(a);
     const auto* const begin = reinterpret_cast<const unsigned char*>(a.begin);
     for (const auto* p = reinterpret_cast<const unsigned char*>(m.begin); p < begin; ++p)
-        if (*p != canary) fail("%zd bytes before an allocation of %zu bytes were written", begin - p, a.bytes);
+        if (*p != canary) fail("memory %zd bytes before an allocation of %zu bytes was written", begin - p, a.bytes);
     for (std::size_t i = a.bytes; i < round_up(a.bytes, alignment); ++i)
         if (begin[i] != canary)
-            fail("%zu bytes past the end of an allocation of %zu bytes were written", i - a.bytes, a.bytes);
+            fail("memory %zu bytes past the end of an allocation of %zu bytes was written", i - a.bytes, a.bytes);
 }
 
 }  // namespace
@@ -180,7 +180,8 @@ void describe(const void* address, char* text, std::size_t size) {
         const auto offset = static_cast<const std::byte*>(address) - a.begin;
         const auto bytes = static_cast<std::ptrdiff_t>(a.bytes);
         if (offset >= bytes)
-            std::snprintf(text, size, "%td bytes past the end of %s of %zu bytes", offset - bytes, state_of, a.bytes);
+            std::snprintf(text, size, "memory %td bytes past the end of %s of %zu bytes", offset - bytes, state_of,
+                          a.bytes);
         else
             std::snprintf(text, size, "byte %td of %s of %zu bytes", offset, state_of, a.bytes);
         return true;
@@ -188,11 +189,11 @@ void describe(const void* address, char* text, std::size_t size) {
     auto after = s.live.upper_bound(key(address));
     if (after != s.live.begin()) {
         const Allocation& a = std::prev(after)->second;
-        if (near(a, a.open ? "an allocation" : "an allocation whose turn in its stream has not come")) return;
+        if (near(a, a.open ? "an allocation" : "a pending stream-ordered allocation")) return;
     }
     for (const Allocation& a : s.quarantine)
         if (near(a, "a freed allocation")) return;
-    std::snprintf(text, size, "no memory of the device");
+    std::snprintf(text, size, "memory outside of all allocations");
 }
 
 }  // namespace cuda_on_cpu::memory

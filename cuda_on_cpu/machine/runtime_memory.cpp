@@ -196,7 +196,7 @@ cudaError_t cudaFreeAsync(void* pointer, cudaStream_t stream) {
         const Allocation* a = memory::find(pointer);
         if (!a || a->begin != pointer || a->kind != Kind::device) return cudaErrorInvalidValue;
         return enqueue_uncaptured(stream, [pointer] {
-            if (!memory::release(pointer, Kind::device)) fail("memory is freed twice in the order of streams");
+            if (!memory::release(pointer, Kind::device)) fail("memory is freed twice in stream order");
         });
     });
 }

@@ -23,7 +23,7 @@ void read(const char* variable, const Name<Enum> (&names)[N], Enum& value) {
     const char* text = std::getenv(variable);
     if (!text) return;
     const auto* found = std::find_if(names, names + N, [&](const Name<Enum>& n) { return n.name == text; });
-    if (found == names + N) fail("%s=%s means nothing", variable, text);
+    if (found == names + N) fail("%s=%s is not supported", variable, text);
     value = found->value;
 }
 
@@ -33,7 +33,7 @@ void read(const char* variable, Integer& value) {
     if (!text) return;
     const std::string_view view = text;
     const auto [end, error] = std::from_chars(view.data(), view.data() + view.size(), value);
-    if (error != std::errc() || end != view.data() + view.size()) fail("%s=%s is no number", variable, text);
+    if (error != std::errc() || end != view.data() + view.size()) fail("%s=%s is not a valid number", variable, text);
 }
 
 Settings from_environment() {

@@ -21,7 +21,7 @@ using portable::launch;
 
 class Machine : public cuda_on_cpu::FreshSettings {};
 
-TEST_F(Machine, may_have_no_device) {
+TEST_F(Machine, machine_can_have_no_device) {
     settings().devices = 0;
     int count = -1;
     EXPECT_EQ(cudaGetDeviceCount(&count), cudaErrorNoDevice);
@@ -33,7 +33,7 @@ TEST_F(Machine, may_have_no_device) {
     EXPECT_EQ(cudaGetLastError(), cudaErrorNoDevice);
 }
 
-TEST_F(Machine, may_have_no_driver) {
+TEST_F(Machine, machine_can_have_no_driver) {
     settings().driver = false;
     int count = -1;
     EXPECT_EQ(cudaGetDeviceCount(&count), cudaErrorInsufficientDriver);
@@ -43,7 +43,7 @@ TEST_F(Machine, may_have_no_driver) {
     EXPECT_EQ(cudaGetLastError(), cudaErrorInsufficientDriver) << "again";
 }
 
-TEST_F(Machine, may_have_several_devices) {
+TEST_F(Machine, machine_can_have_several_devices) {
     settings().devices = 2;
     int count = 0;
     check(cudaGetDeviceCount(&count));
@@ -56,7 +56,7 @@ TEST_F(Machine, may_have_several_devices) {
     check(cudaSetDevice(0));
 }
 
-TEST_F(Machine, may_have_little_memory) {
+TEST_F(Machine, machine_can_have_little_memory) {
     settings().device_bytes = cuda_on_cpu::memory::used() + 1000;
     const Array<char> most(900);
     void* memory = nullptr;
@@ -69,7 +69,7 @@ TEST_F(Machine, may_have_little_memory) {
     check(cudaFree(memory));
 }
 
-TEST_F(Machine, can_fail_any_allocation) {
+TEST_F(Machine, any_allocation_can_fail) {
     const std::size_t before = cuda_on_cpu::memory::live();
     settings().allocations_before_failure = 1;
     void *first = nullptr, *second = nullptr;
@@ -84,7 +84,7 @@ TEST_F(Machine, can_fail_any_allocation) {
 
 __global__ void nothing() {}
 
-TEST_F(Machine, can_fail_any_launch) {
+TEST_F(Machine, any_launch_can_fail) {
     settings().launches_before_failure = 1;
     launch(nothing, 1, 1, 0);
     EXPECT_EQ(portable::try_launch(nullptr, nothing, 1, 1, 0), cudaErrorMemoryAllocation);
@@ -114,7 +114,7 @@ std::vector<int> order(void (*kernel)(int*, int*), unsigned blocks, unsigned thr
     return place.values();
 }
 
-TEST_F(Machine, orders_threads_and_blocks) {
+TEST_F(Machine, order_of_threads_and_blocks_can_be_set) {
     settings().workers = 1;
     std::vector<int> up(64), down(64);
     for (int i = 0; i < 64; ++i) {
@@ -184,7 +184,7 @@ TEST_F(Machine, invalid_setting_is_an_error) {
             setenv("CUDA_ON_CPU_ORDER", "sideways", 1);
             execl("/proc/self/exe", "cuda_on_cpu_test", "--gtest_filter=Barrier.*", nullptr);
         },
-        "CUDA_ON_CPU_ORDER=sideways means nothing");
+        "CUDA_ON_CPU_ORDER=sideways is not supported");
 }
 
 TEST_F(Machine, device_code_on_the_host_is_an_error) { EXPECT_DEATH(__syncthreads(), "device code runs on the host"); }

@@ -124,7 +124,7 @@ constexpr auto type_of() {
     constexpr bool scalar = std::is_same_v<Number, float> || std::is_same_v<Number, double>;
     constexpr bool index = std::is_integral_v<Number> && !std::is_same_v<Number, bool> &&
                            (sizeof(T) == 4 || (sizeof(T) == 8 && std::is_signed_v<Number>));
-    static_assert(scalar || index, "coordinates are float or double; indices are int32_t, uint32_t or int64_t");
+    static_assert(scalar || index, "coordinates must be float or double; indices must be int32_t, uint32_t or int64_t");
     if constexpr (std::is_same_v<Number, float>)
         return ScalarType::float32;
     else if constexpr (scalar)
@@ -141,7 +141,7 @@ constexpr void check_scalar() {
 }
 template <class T>
 constexpr void check_index() {
-    static_assert(std::is_integral_v<T>, "triangles are indices, of int32_t, uint32_t or int64_t");
+    static_assert(std::is_integral_v<T>, "triangles must be indices of type int32_t, uint32_t or int64_t");
 }
 }  // namespace detail
 
@@ -157,8 +157,8 @@ auto rows_of_three(const T* data, std::int64_t rows) {
 template <MatrixInMemory Matrix>
 auto rows_of(const Matrix& matrix CRUMPLE_LIFETIMEBOUND, const char* what) {
     if (matrix.cols() != 3)
-        throw Error(ErrorCode::invalid_argument,
-                    std::string(what) + " must have 3 columns, one row each, not " + std::to_string(matrix.cols()));
+        throw Error(ErrorCode::invalid_argument, std::string(what) + " must have one row each and 3 columns, not " +
+                                                     std::to_string(matrix.cols()) + " columns");
     auto view = rows_of_three(matrix.data(), matrix.rows());
     constexpr std::int64_t size = sizeof *matrix.data();
     view.row_stride = size * static_cast<std::int64_t>(matrix.rowStride());

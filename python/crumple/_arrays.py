@@ -28,7 +28,7 @@ def _kind_of_device(device: Any, name: str) -> int:
         kind = device()[0]
         return int(getattr(kind, "value", kind))  # Open3D returns an enumerator that is no integer
     except Exception as error:
-        raise InvalidType(f"{name} do not tell where they lie, by __dlpack_device__: {error}") from error
+        raise InvalidType(f"{name} cannot be read: __dlpack_device__ failed: {error}") from error
 
 
 def _refuse_mask(array: Any, name: str, **place: Any) -> None:
@@ -37,8 +37,8 @@ def _refuse_mask(array: Any, name: str, **place: Any) -> None:
         if "element" in place:
             place["index"] = first[0]
         raise InvalidInput(
-            f"{name} masked at {tuple(first)}: a masked array must have no masked value; leave out what is masked, "
-            "numpy.ma.filled it, or pass its .data, which has no mask",
+            f"{name} masked at {tuple(first)}: a masked array must have no masked value; leave out masked elements, "
+            "fill them by numpy.ma.filled, or pass .data, which has no mask",
             **place,
         )
 
@@ -132,7 +132,7 @@ def _what_objects(array: Any, objects: np.ndarray) -> str:
             return f"but element {place} is {_name_of_type(element)}"
         integers = integers and isinstance(element, (int, np.integer))
         if integers and not -(2**63) <= element < 2**64:
-            return f"but element {place} is {element}, which no integer of 64 bits can hold"
+            return f"but element {place} is {element}, which does not fit in 64 bits"
     return f"not of objects; convert it, for instance by .astype({'int64' if integers else 'float64'!r})"
 
 
@@ -167,10 +167,10 @@ def host_array(array: Any, name: str, in_place: str = "") -> np.ndarray:
     if device is not None and not isinstance(array, np.ndarray):
         kind = _kind_of_device(device, name)
         if kind in _CUDA and in_place:
-            raise InvalidInput(f"{name} in CUDA memory must be {in_place}, for nothing is converted there")
+            raise InvalidInput(f"{name} in CUDA memory must be {in_place}; arrays there are not converted")
         if kind not in _HOST:
             memory = "CUDA" if kind in _CUDA else _DEVICES.get(kind, "device")
-            raise InvalidInput(f"{name} lie in {memory} memory, but are wanted in the host's: {_TO_HOST}")
+            raise InvalidInput(f"{name} lie in {memory} memory, but must be in host memory: {_TO_HOST}")
     try:
         has_dlpack_only = device is not None and not hasattr(array, "__array__")
         result = np.from_dlpack(array) if has_dlpack_only else np.asanyarray(array)
@@ -280,7 +280,7 @@ def faces(array: Any, which: str) -> np.ndarray:
         if len(too_large):
             face, corner = too_large[0]
             raise InvalidInput(
-                f"{which}triangle {face} names vertex {result[face, corner]}, which no array has",
+                f"{which}triangle {face} names vertex {result[face, corner]}; this is outside the range of int64",
                 code="index_out_of_range",
                 element="triangle",
                 index=int(face),

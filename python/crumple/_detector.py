@@ -234,7 +234,7 @@ class Detector(_core.Detector):
         """
         method = query._methods.get(delivery)
         if method is None:
-            raise InvalidInput(f"{delivery} is not for {type(query).__name__}: docs/supported.md has the table")
+            raise InvalidInput(f"{delivery} does not support {type(query).__name__}: see docs/supported.md")
         excluded = query.filter.excluded_bodies
         if excluded is not None:
             excluded = excluded_in(scene, query.filter)

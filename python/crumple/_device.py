@@ -12,7 +12,7 @@ from ._features import FirstImpact
 if TYPE_CHECKING:
     from ._detector import Detector
 
-_AGAIN = "a call outside of the capture makes longer lists, or other features; capture it again"
+_AGAIN = "call launch outside of the capture, which updates its lists, and capture it again"
 
 
 class DeviceArray:

@@ -74,7 +74,7 @@ def _arrays_of(mesh: Mesh, triangles: int):
         vertices, faces = vertices.astype(np.float64).reshape(-1, 3), faces.astype(np.int64).reshape(-1, 3)
         if not triangles or 0 <= faces.min() <= faces.max() < len(vertices):
             return vertices, faces
-    raise InvalidInput("the mesh was changed after the search: the result does not fit it any more")
+    raise InvalidInput("the mesh was changed after the search, so the result no longer fits it")
 
 
 def _coloured(mesh: Mesh, hit: NDArray[np.bool_], side: int):

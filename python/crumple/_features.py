@@ -159,17 +159,19 @@ class FeatureResult(PairLists):
         -----
         The file appears when it is complete; an existing file stays until then. Ctrl-C waits until the file is written.
         """
-        self._check_output("what save writes")
+        self._check_output("the list that save writes")
         if self._request.scene == "part":
-            raise InvalidInput("a result of a part is not saved: files name edges by their vertices, all of the mesh")
+            raise InvalidInput(
+                "a result of a part cannot be saved: files name edges by their vertices, which it does not have"
+            )
         name = file_name(path)
         extension = extension_of(name)
         if extension == ".glb" and mesh is None:
             raise InvalidType(f"{name}: a coloured mesh needs the mesh: save(path, mesh)")
         if extension != ".glb" and mesh is not None:
-            raise InvalidType(f"mesh is no option of {extension} files")
+            raise InvalidType(f"mesh is not an option of {extension} files")
         if extension == ".glb" and self._request.of_bodies:
-            raise InvalidInput(f"{name}: a result about one mesh is saved as .glb, but the scene is a world")
+            raise InvalidInput(f"{name}: only a result about one mesh can be saved as .glb, but the scene is a world")
         if extension not in (".txt", ".csv", ".json", ".npz", ".glb"):
             raise InvalidInput(f"{name}: a result is saved as .txt, .csv, .json, .npz (lists) or .glb (coloured mesh)")
         type(self)._write(path, self, None if mesh is None else as_mesh(mesh))

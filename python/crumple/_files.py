@@ -232,7 +232,7 @@ def read_poses(path: str | os.PathLike[str], bodies: World | int | Sequence[str]
     else:
         names = [f"body {i}" for i in range(bodies.__index__())]
     if not names:
-        raise InvalidInput("bodies must be at least one: nothing else can be posed")
+        raise InvalidInput("bodies must be at least one; bodies in all worlds (-1) do not count")
     poses: Any = _core.read_poses(path, names)
     return poses.reshape(-1, len(names), 3, 4)
 

@@ -216,7 +216,7 @@ class Intersections(Result):
         lists = set() if self._of_world else _PAIR_FILES
         for option in options:
             if extension in lists | _MESH_FILES and (self._of_world or (extension, option) != (".html", "height")):
-                raise InvalidType(f"{option} is no option of {extension} files")
+                raise InvalidType(f"{option} is not an option of {extension} files")
         if extension in _PICTURES:
             from ._drawing import image
 
@@ -265,13 +265,13 @@ class Intersections(Result):
             If the scene is a world, or pairs were not requested.
         """
         if self._of_world:
-            raise InvalidInput('to_html shows meshes: save("page.html") shows a world')
+            raise InvalidInput('to_html supports only meshes; use save("page.html") for a world')
         self._check("pairs")
         return _core.to_html(*self._meshes(), self._held(), height)
 
     def _meshes(self) -> tuple[Mesh, Mesh | None]:
         if self._request.block:
-            raise InvalidInput("meshes are shown of a whole result, but this is one of its blocks")
+            raise InvalidInput("only a whole result can be shown with its meshes, but this is one of its blocks")
         return self._scene[0], self._scene[1]
 
     def _held(self) -> Any:

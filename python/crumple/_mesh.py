@@ -163,7 +163,7 @@ def as_mesh(mesh: Any) -> Mesh:
         return _from_open3d_tensors(mesh)
     if hasattr(mesh, "graph") and hasattr(mesh, "geometry"):
         raise InvalidType(
-            "a scene of trimesh is a world of bodies: crumple.World.from_trimesh, or as one mesh .to_mesh() of it"
+            "a trimesh scene is a world of bodies: use crumple.World.from_trimesh(scene), or scene.to_mesh()"
         )
     raise InvalidType(
         "a mesh must be crumple.Mesh, a tuple (vertices, faces) or (vertices, faces, groups), or of trimesh, meshio, "
@@ -255,7 +255,7 @@ def _from_pyvista(mesh: Any) -> Mesh:
     if not len(mesh.faces) and not mesh.n_strips:  # the mesh is empty, or has only vertices and lines
         return Mesh(mesh.points, [])
     if mesh.n_strips or not mesh.is_all_triangles:
-        raise InvalidInput("the PyVista mesh has faces that are no triangles: call .triangulate() first")
+        raise InvalidInput("the PyVista mesh has faces that are not triangles: call .triangulate() first")
     return Mesh(mesh.points, mesh.regular_faces)
 
 
@@ -300,7 +300,7 @@ def _number_of(name: Any) -> int:
         return next(_own_numbers)
     if isinstance(name, str):
         if not name:
-            raise InvalidInput("name must not be empty; None: the shape has no name")
+            raise InvalidInput("name must not be empty; use None for a shape without a name")
         return _numbers.get(name) or _numbers.setdefault(name, next(_own_numbers))
     if isinstance(name, bool) or not hasattr(name, "__index__"):
         raise InvalidType(f"name must be a str, an int or None, not {type(name).__name__}")

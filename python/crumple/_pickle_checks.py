@@ -34,7 +34,7 @@ class _Check:
 
     def _that(self, holds: Any, what: str) -> None:
         if not holds:
-            raise InvalidInput(f"the state of {self._name} does not fit together: {what}")
+            raise InvalidInput(f"the state of {self._name} is inconsistent: {what}")
 
     def _offsets(self, offsets: np.ndarray, parts: int, most: int, what: str) -> None:
         self._that(len(offsets) == parts + 1 and offsets[0] == 0 and (np.diff(offsets) >= 0).all(), what)

@@ -80,7 +80,7 @@ def _mesh_as_arrays(mesh: Mesh, which: str, triangles: int | None) -> tuple[Any,
     vertices = _arrays.vertices(mesh.vertices, which)
     faces = _arrays.host_array(mesh.faces, which + "faces")
     if triangles is not None and faces.size != 3 * triangles:
-        raise InvalidInput("the mesh was changed after the search: the result does not fit it any more")
+        raise InvalidInput("the mesh was changed after the search, so the result no longer fits it")
     if not faces.size:
         faces = np.empty((0, 3), np.int32)
     return vertices, faces, None if mesh.groups is None else _arrays.groups(mesh.groups, which)
@@ -134,7 +134,7 @@ def _request(given: Any, kind: str) -> Request:
             raise InvalidType(f"the state of {kind} needs {name} as {types.get(name, bool).__name__}")
     of_bodies = request.scene == "world" or (request.scene == "meshes" and kind != "Intersections")
     if request.scene not in ("mesh", "meshes", "world", "part") or request.of_bodies != of_bodies:
-        raise InvalidInput(f"the state of {kind} does not fit together: scene")
+        raise InvalidInput(f"the state of {kind} is inconsistent: scene")
     return request
 
 

@@ -80,7 +80,7 @@ def share_of(scene: Any, triangle_ids: Any, vertex_ids: Any, body_ids: Any) -> L
     if body_ids is not None:
         raise InvalidType("body_ids are for a crumple.World, but the scene is a mesh")
     if not isinstance(scene, Mesh):
-        raise InvalidType(f"each rank brings one mesh or a crumple.World, not {type(scene).__name__}")
+        raise InvalidType(f"each rank must pass one mesh or a crumple.World, not {type(scene).__name__}")
     return LocalMesh(scene, triangle_ids, vertex_ids)
 
 
@@ -99,7 +99,7 @@ def excluded_of_ranks(pairs: Any) -> Any:
         )
     limits = np.iinfo(np.int32)
     if given.min() < limits.min or given.max() > limits.max:
-        raise InvalidInput("excluded_bodies names a body beyond those of int32", element="option")
+        raise InvalidInput("excluded_bodies names a body that does not fit int32", element="option")
     return np.ascontiguousarray(given, np.int32)
 
 
@@ -115,10 +115,10 @@ class _OfRank(Result):
 
     def save(self, *_: Any, **__: Any) -> None:
         """Raises InvalidInput: the rows of one rank cannot be saved."""
-        raise InvalidInput("the rows of one rank are not saved")
+        raise InvalidInput("the rows of one rank cannot be saved")
 
     def __reduce__(self) -> Any:
-        raise TypeError(f"cannot pickle a crumple.mpi.{type(self).__name__}: take its arrays")
+        raise TypeError(f"cannot pickle a crumple.mpi.{type(self).__name__}: use its arrays")
 
 
 class Intersections(_OfRank, _intersections.Intersections):
@@ -130,15 +130,15 @@ class Intersections(_OfRank, _intersections.Intersections):
 
     def _check(self, name: str) -> None:
         if name not in ("pairs", "bodies", "count") and not name.startswith("contact"):
-            raise InvalidInput(f"{name} is for one process")
+            raise InvalidInput(f"{name} is not supported on ranks")
         super()._check(name)
 
     def __repr__(self) -> str:
-        found = f"{len(self)} colliding pairs here, {self._found.count} over all ranks"
+        found = f"{len(self)} colliding pairs on this rank, {self._found.count} over all ranks"
         if self._request.output in ("any", "any_by_world"):
             found = "something collides" if self._found.any else "nothing collides"
         elif self._request.output == "body_pairs":
-            found = f"{len(self)} colliding pairs of bodies here"
+            found = f"{len(self)} colliding pairs of bodies on this rank"
         elif self._request.output == "count":
             found = f"{self._found.count} colliding pairs over all ranks"
         return f"<crumple.mpi.Intersections: {found}, {self.statistics.milliseconds:.3g} ms>"
@@ -149,7 +149,7 @@ class _Features(_OfRank, _features.FeatureResult):
 
     def _check(self, name: str) -> None:
         if not name.startswith(_ROWS) and name not in ("edges", "edge_ids", "edge_bodies", "count"):
-            raise InvalidInput(f"{name} is for one process")
+            raise InvalidInput(f"{name} is not supported on ranks")
         if name == "edge_bodies" and not self._request.of_bodies:
             raise InvalidInput("edge_bodies are for worlds, but the scene is one mesh")
         if name.startswith("edge"):
@@ -168,7 +168,7 @@ class _Features(_OfRank, _features.FeatureResult):
 
     def _description(self, found: str) -> str:
         if self._request.output == "pairs":
-            found = f"{len(self)} {found} here, {self._found.count} over all ranks"
+            found = f"{len(self)} {found} on this rank, {self._found.count} over all ranks"
         ms = self.statistics.milliseconds
         return f"<crumple.mpi.{type(self).__name__}: {found}, {ms:.3g} ms>"
 

@@ -221,7 +221,7 @@ class Contacts:
     def __getitem__(self, pair: int) -> NDArray[np.float64]:
         """Returns the points of a pair, a (1 to 6, 3) float64 view. Raises IndexError."""
         if not -len(self) <= pair < len(self):
-            raise IndexError(f"there are {len(self)} contacts, none of number {pair}")
+            raise IndexError(f"contact {pair} does not exist (number of contacts: {len(self)})")
         pair %= len(self)
         return self.points[self.offsets[pair] : self.offsets[pair + 1]]
 

@@ -52,7 +52,7 @@ def scene_of(
         given, second = given
     if second is not None and is_mesh(second):
         for name in attributes:
-            raise InvalidType(f"{name} is for one mesh, but the scene is two")
+            raise InvalidType(f"{name} is for one mesh, but the scene is two meshes")
         return as_mesh(given), as_mesh(second)
     return mesh_of(given, second, **attributes) if attributes or second is None else Mesh(given, second)
 
@@ -76,7 +76,7 @@ def kind_of(scene: Scene) -> str:
 def excluded_in(scene: Scene, pairs: PairFilter) -> Any:
     """Returns the indices of excluded pairs of bodies: (k, 2) int32. Caches them in the filter, for calls in a loop."""
     if not isinstance(scene, World):
-        raise InvalidInput("excluded_bodies are bodies of a crumple.World")
+        raise InvalidInput("excluded_bodies are only for a crumple.World")
     kept = pairs._indices
     if kept is not None and kept[0] is scene._columns:
         return kept[1]
@@ -99,12 +99,12 @@ def with_names(scene: Scene, error: InvalidInput) -> InvalidInput:
 def _of_shape(number: int) -> str:
     """Returns a description of a named shape, from the number of its name (Shape.name), for messages."""
     name = name_of_number(number)
-    return "what a file named " if name is None else f"what is named {name!r} "
+    return "an earlier shape of a file " if name is None else f"an earlier shape with the name {name!r} "
 
 
 def _named(world: World, message: str) -> str:
     """Returns the message with the name of the shape instead of its number, and with the body's name added."""
-    message = re.sub(r"what is named (\d+) ", lambda found: _of_shape(int(found[1])), message)
+    message = re.sub(r"an earlier shape with the name (\d+) ", lambda found: _of_shape(int(found[1])), message)
     found = re.match(r"body (\d+): ", message)
     if not found or int(found[1]) >= len(world):
         return message
@@ -127,7 +127,7 @@ def checked_query(scene: Any, query: Any) -> Any:
     if type(query) is IntersectionQuery and type(query.filter) is PairFilter:
         return query
     if not isinstance(query, Query):
-        raise InvalidType(f"query must be one of crumple's, such as crumple.ImpactQuery(), not {_name_of(query)}")
+        raise InvalidType(f"query must be a query of crumple, such as crumple.ImpactQuery(), not {_name_of(query)}")
     if not isinstance(query.filter, PairFilter):
         raise InvalidType(f"filter must be a crumple.PairFilter, not {_name_of(query.filter)}")
     if isinstance(query, CandidateQuery):

@@ -120,7 +120,9 @@ class World(_core.World):
         if isinstance(bodies, Sequence) and len(bodies) and all(isinstance(body, Body) for body in bodies):
             given = (poses, groups, worlds, names, end_poses)
             if any(column is not None for column in given) or self_collisions is not False:
-                raise InvalidInput("poses, groups, worlds, self_collisions and names are those of each crumple.Body")
+                raise InvalidInput(
+                    "poses, groups, worlds, self_collisions and names must be given in each crumple.Body"
+                )
             bodies, poses, groups, worlds, self_collisions, names, end_poses = zip(*bodies)
             poses, end_poses = columns.stacked(poses, end_poses)
             bodies = columns.shapes_of(made, bodies)
@@ -167,7 +169,7 @@ class World(_core.World):
 
         if not all(hasattr(scene, name) for name in ("graph", "geometry")):
             kind = type(scene)
-            raise InvalidType(f"a scene of trimesh is wanted, not {kind.__module__}.{kind.__qualname__}")
+            raise InvalidType(f"scene must be a trimesh.Scene, not {kind.__module__}.{kind.__qualname__}")
         shapes: list[Shape] = []
         places: dict[str, int] = {}
         names, of, poses = [], [], []
@@ -216,7 +218,7 @@ class World(_core.World):
         Cost: some nanoseconds per body. If there are static bodies, each search copies the poses, 96 bytes per body.
         """
         if self._base is not None:
-            raise InvalidInput("configurations are made of a world that is none of configurations itself")
+            raise InvalidInput("configurations need a world that does not consist of configurations itself")
         import numpy as np
 
         from ._arrays import host_array
@@ -225,13 +227,13 @@ class World(_core.World):
         if not np.isin(worlds, (0, -1)).all():
             body = int(np.flatnonzero(~np.isin(worlds, (0, -1)))[0])
             raise InvalidInput(
-                f"body {body}: its world is {worlds[body]}; configurations are made of bodies in world 0, which "
+                f"body {body}: its world is {worlds[body]}; configurations need bodies in world 0, which "
                 "move, and in all worlds (-1), which do not",
                 element="body",
                 index=body,
             )
         if (np.diff(worlds) > 0).any():
-            raise InvalidInput("bodies that are in all worlds (-1) come last")
+            raise InvalidInput("bodies that are in all worlds (-1) must come last")
         shape = getattr(poses, "shape", None) or host_array(poses, "poses").shape
         if len(shape) != 4:
             moving = int((worlds == 0).sum())

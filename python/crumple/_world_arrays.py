@@ -89,18 +89,18 @@ def _refuse(names: Sequence[str], body: int, what: str) -> None:
 def check_shapes(of: np.ndarray, shapes: int, names: Sequence[str]) -> None:
     """Raises InvalidInput if the shape index of a body is out of range. `names`: names of bodies, for the message."""
     for body in np.flatnonzero((of < 0) | (of >= shapes))[:1].tolist():
-        _refuse(names, body, f"there is no shape {of[body]}; there are {shapes}")
+        _refuse(names, body, f"there is no shape {of[body]} (number of shapes: {shapes})")
 
 
 def check_worlds(worlds: np.ndarray, names: Sequence[str]) -> None:
     """Raises InvalidInput unless world indices ascend over the bodies, and bodies in all worlds (-1) come last."""
     for body in np.flatnonzero(worlds < -1)[:1].tolist():
-        _refuse(names, body, f"its world is {worlds[body]}; worlds are 0 and up, or -1, which is all")
+        _refuse(names, body, f"its world is {worlds[body]}; it must be 0 or more, or -1 for all worlds")
     order = np.where(worlds == -1, np.iinfo(np.int64).max, worlds.astype(np.int64))
     for before in np.flatnonzero(order[1:] < order[:-1])[:1].tolist():
         body, last = before + 1, worlds[before]
-        what = f"its world {worlds[body]} comes after world {last}; world ids ascend over the bodies"
-        _refuse(names, body, "bodies that are in all worlds (-1) come last" if last == -1 else what)
+        what = f"its world {worlds[body]} comes after world {last}; world ids must ascend over the bodies"
+        _refuse(names, body, "bodies that are in all worlds (-1) must come last" if last == -1 else what)
 
 
 def pose_of(pose: Any, body: int, name: str = "pose") -> np.ndarray:
@@ -147,7 +147,7 @@ def shapes_of(shapes: Sequence[Any], given: Sequence[Any]) -> list[int]:
         if isinstance(place, (bool, np.bool_)) or not isinstance(place, (int, np.integer)):
             raise InvalidType(
                 f"body {i}: its shape must be an index, or one of the world's crumple.Shape, not "
-                f"{'another one' if hasattr(place, 'mesh') else type(place).__name__}",
+                f"{'another Shape' if hasattr(place, 'mesh') else type(place).__name__}",
                 element="body",
                 index=i,
             )
@@ -186,11 +186,11 @@ def _pair(pair: Any) -> Any:
     # A set of one element stands for the pair of a body with itself.
     given = sorted(pair, key=str) if isinstance(pair, (set, frozenset)) else pair
     if isinstance(given, (str, bytes)) or not isinstance(given, Sequence | np.ndarray):
-        raise InvalidType(f"excluded must be pairs of bodies, such as {{'arm', 'hand'}}, but {pair!r} is none")
+        raise InvalidType(f"excluded must be pairs of bodies, such as {{'arm', 'hand'}}, but {pair!r} is not a pair")
     if len(given) == 1 and isinstance(pair, (set, frozenset)):
         given = [given[0], given[0]]
     if len(given) != 2:
-        raise InvalidInput(f"excluded must be pairs of bodies, such as {{'arm', 'hand'}}, but {pair!r} is none")
+        raise InvalidInput(f"excluded must be pairs of bodies, such as {{'arm', 'hand'}}, but {pair!r} is not a pair")
     return given
 
 

@@ -72,10 +72,10 @@ def _check_library() -> None:
     libraries = [library.strip("\0\n ") for library in (_mpi.library(), MPI.Get_library_version())]
     ours, theirs = (" ".join(library.partition("\n")[0].partition(",")[0].split()) for library in libraries)
     if ours != theirs:
-        raise ImportError(f"crumple.mpi uses {ours}, but mpi4py {theirs}: build both with the same MPI")
+        raise ImportError(f"crumple.mpi uses {ours}, but mpi4py uses {theirs}: build both with the same MPI")
     same = MPI._sizeof(MPI.Comm) == _mpi.handle_size() and MPI._handleof(MPI.COMM_WORLD) == _mpi.world()
     if libraries[0] != libraries[1] or not same:
-        raise ImportError(f"crumple.mpi and mpi4py use two libraries that are {ours}: build both with the same")
+        raise ImportError(f"crumple.mpi and mpi4py use different libraries, both {ours}: build both with the same one")
 
 
 _check_library()
@@ -213,7 +213,7 @@ class Detector:
             what = "MPI.COMM_NULL" if comm == MPI.COMM_NULL else "an intercommunicator"
             raise InvalidInput(f"comm must be an intracommunicator of mpi4py, not {what}", element="option")
         if not MPI.Is_initialized() or MPI.Is_finalized():
-            raise Error("MPI is not initialised: call MPI.Init() before", code="communication")
+            raise Error("MPI is not initialised: call MPI.Init() first", code="communication")
         options = _together(comm, lambda: _mpi.Options(of_each, parts, batch_bytes))
         self._ranks: _mpi.Detector | None = _mpi.Detector(MPI._handleof(comm), options)
         of_each["threads"], of_each["device"] = self._ranks.threads, self._ranks.device
@@ -490,9 +490,7 @@ class Detector:
             scene: Any = brought._scene()
             request = checked_query(scene, request)
             if not isinstance(request, (IntersectionQuery, ImpactQuery, ProximityQuery)):
-                raise InvalidInput(
-                    f"{type(request).__name__} is not supported on ranks: docs/supported.md has the table"
-                )
+                raise InvalidInput(f"{type(request).__name__} is not supported on ranks: see docs/supported.md")
             excluded = excluded_of_ranks(request.filter.excluded_bodies)
             arguments = brought._borrow(ranks, scene), getattr(_mpi, type(request).__name__)(request, excluded)
         except BaseException as error:

@@ -46,7 +46,7 @@ std::string_view text(std::string_view argument, nb::handle value) {
         return {characters, static_cast<std::size_t>(size)};
     check_cause({PyExc_UnicodeEncodeError});
     const nb::str shown = nb::steal<nb::str>(PyObject_ASCII(value.ptr()));
-    refuse(std::string(argument) + " must be text that UTF-8 can hold, not " + shown.c_str());
+    refuse(std::string(argument) + " must be text that can be encoded as UTF-8, not " + shown.c_str());
 }
 
 double real(std::string_view argument, nb::handle value) {
@@ -54,7 +54,7 @@ double real(std::string_view argument, nb::handle value) {
     if (number != -1.0 || !PyErr_Occurred()) return number;
     const bool too_large = PyErr_ExceptionMatches(PyExc_OverflowError);
     check_cause({PyExc_TypeError, PyExc_OverflowError});
-    if (too_large) refuse(std::string(argument) + " is beyond float64");
+    if (too_large) refuse(std::string(argument) + " is outside the range of float64");
     refuse_type(argument, "a number", value);
 }
 

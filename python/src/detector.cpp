@@ -41,9 +41,10 @@ SharedDetector::SharedDetector(const Options& options) : detector_(options) { de
 SharedDetector::Turn::Turn(SharedDetector& detector) : detector_(detector) {
     const std::thread::id self = std::this_thread::get_id();
     if (detector_.caller_ == self)
-        refuse("neither a signal handler nor what takes a block can call the detector whose call goes on");
+        refuse("neither a signal handler nor take(block) can call a detector while another call of it is in progress");
     while (detector_.caller_ != std::thread::id()) {
-        if (interpreter_ends()) throw Error(ErrorCode::cancelled, "the interpreter ends in another thread's call");
+        if (interpreter_ends())
+            throw Error(ErrorCode::cancelled, "the interpreter is shutting down during another thread's call");
         detector_.wait_for_another_call();
     }
     detector_.caller_ = self;

@@ -88,7 +88,7 @@ nb::object name_of_unit(io::Unit unit) {
 
 io::TriangleMesh copy_of(const MeshView& view) {
     if (view.memory != MemorySpace::host)
-        refuse(std::string("vertices lie in CUDA memory, but are wanted in the host's: ") + copy_to_host);
+        refuse(std::string("vertices lie in CUDA memory, but must be in host memory: ") + copy_to_host);
     io::TriangleMesh mesh;
     if (view.vertices.type == ScalarType::float32) {
         mesh.vertices = rows<float, float>(view.vertices);

@@ -21,7 +21,8 @@ namespace {
 // Returns the Part of a Python object. Throws Error if the object was created by __new__ alone and has no Part.
 const Part& part_of(nb::handle object, std::string_view argument) {
     if (!nb::isinstance<Part>(object)) refuse_type(argument, "a crumple.Part", object);
-    if (!nb::inst_ready(object)) refuse(std::string(argument) + " is a crumple.Part that nothing was put into");
+    if (!nb::inst_ready(object))
+        refuse(std::string(argument) + " is an empty crumple.Part; get parts from Detector.partition");
     return *nb::inst_ptr<Part>(object);
 }
 
@@ -47,7 +48,7 @@ nb::tuple arrays_of(nb::handle owner, const PartMesh& mesh) {
 }
 
 constexpr const char* wrong_state =
-    "the state of a Part must be a tuple (index, count, mesh, second, levels, features) as __getstate__ gives it";
+    "the state of a Part must be a tuple (index, count, mesh, second, levels, features) as __getstate__ returns it";
 
 template <class T>
 std::vector<T> values_of(nb::handle given) {

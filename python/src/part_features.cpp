@@ -46,7 +46,7 @@ void for_each_member(Features& f, Visit visit) {
 }
 
 [[noreturn]] void refuse_state(const char* name) {
-    throw InvalidType(std::string("the state of a Part's features needs ") + name + " as __getstate__ gives it");
+    throw InvalidType(std::string("the state of a Part's features needs ") + name + " as __getstate__ returns it");
 }
 
 // Scalar type of the numbers that an element consists of.

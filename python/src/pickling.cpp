@@ -48,7 +48,7 @@ constexpr std::pair<const char*, std::int64_t Statistics::*> counters[]{
 // cannot fill the memory: there are only a few names of backends and instruction sets.
 std::string_view static_name(const std::string& name) {
     static std::set<std::string>& names = *new std::set<std::string>;
-    if (names.size() >= 100 && !names.contains(name)) refuse("the state of Statistics has a name that nobody knows");
+    if (names.size() >= 100 && !names.contains(name)) refuse("the state of Statistics has an unknown backend or simd");
     return *names.insert(name).first;
 }
 
@@ -56,7 +56,7 @@ template <class Type>
 Type item(const nb::dict& state, const char* name) {
     Type value{};
     if (!state.contains(name) || !nb::try_cast(state[name], value))
-        throw InvalidType(std::string("the state of Statistics needs another ") + name);
+        throw InvalidType(std::string("the state of Statistics needs a valid ") + name);
     return value;
 }
 
@@ -72,7 +72,7 @@ void fill(Array<Element>& array, const Given& given) {
 }
 
 void check(bool holds, const char* what) {
-    if (!holds) refuse(std::string("the state of Intersections does not fit together: ") + what);
+    if (!holds) refuse(std::string("the state of Intersections is inconsistent: ") + what);
 }
 
 // True if offsets divide `size` elements into `parts` consecutive parts.

@@ -143,7 +143,7 @@ BorrowedShape::BorrowedShape(const nb::tuple& given, const char* which, std::uin
     lists.put_into(shape);
     if (mesh.device() != BorrowedArray::on_host)
         refuse(std::string(which) +
-               "vertices lie in CUDA memory, but those of a world are wanted in the host's: " + copy_to_host);
+               "vertices lie in CUDA memory, but those of a world must be in host memory: " + copy_to_host);
     if (!at_end.is_none()) shape.end = end.emplace(at_end, mesh, which).view();
     if (!at_rest.is_none()) shape.rest = rest.emplace(at_rest, mesh, which, BorrowedEnd::When::rest).view();
     if (!given_radii.is_none()) shape.radii = radii.emplace(given_radii, mesh, which).view();
@@ -177,8 +177,7 @@ std::span<const Pose> BorrowedPoses::read(const Bodies& bodies, std::vector<Pose
     buffer.clear();
     if (device() != BorrowedArray::on_host)
         refuse(std::string(when_ == When::end ? "end_" : "") +
-               "poses lie in CUDA memory, where a detector of the cuda backend reads them, and nothing else: " +
-               copy_to_host);
+               "poses lie in CUDA memory, which only a detector of the cuda backend can read: " + copy_to_host);
     if (!object_ && bodies.static_count() == 0) return {};
     if (!object_) {
         buffer.resize(static_cast<std::size_t>(bodies.posed()));
@@ -202,7 +201,7 @@ std::span<const Pose> BorrowedPoses::read(const Bodies& bodies, std::vector<Pose
 
 DevicePoses BorrowedPoses::on_device(const Bodies& bodies) const {
     if (bodies.static_count() > 0)
-        refuse(std::string("poses of configurations in CUDA memory are taken where no body is at rest (-1): ") +
+        refuse(std::string("poses of configurations can be in CUDA memory only if no body is in all worlds (-1): ") +
                copy_to_host);
     return array_.number == BorrowedArray::Number::float32
                ? DevicePoses(static_cast<const float*>(array_.data), bodies.posed(), stream_)

@@ -94,7 +94,7 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
 }
 
 [[noreturn]] void refuse_changed() {
-    refuse("the world was changed after the search: the result does not fit it any more");
+    refuse("the world was changed after the search, so the result no longer fits it");
 }
 
 // Computes `first_triangle` and the hit flags of a result: those of the triangles in pairs or, if the result has only

@@ -24,7 +24,7 @@ import crumple.mpi
 from conftest import soup
 
 
-def bodies_are_refused_together():
+def invalid_bodies_are_refused_on_all_ranks():
     local = local_world(bodies_by_turns)
     world, body_ids = local.world, local.body_ids
     with crumple.mpi.Detector(COMM, **ONE) as detector:
@@ -37,14 +37,14 @@ def bodies_are_refused_together():
                 ("excluded_bodies must be (n, 2) integers", world, body_ids, dict(filter=excluding([0, 1]))),
                 ("filter must be a crumple.PairFilter, not str", world, body_ids, dict(filter="between")),
                 ("output must be one of", world, body_ids, dict(output="some")),
-                ("do not read a shape's list of edges or points", listed, body_ids, {}),
+                ("do not support a shape's list of edges or points", listed, body_ids, {}),
             ):
                 share = crumple.mpi.LocalWorld(brought, ids) if failed else local
                 error = error_of(detector.find, share, crumple.IntersectionQuery(**(members if failed else {})))
                 assert error.rank == failing and message in str(error), error
             for message, share, query in (
                 ("share must be a LocalMesh or a LocalWorld, not crumple.", world, crumple.IntersectionQuery()),
-                ("query must be one of crumple's, such as", local, "intersections"),
+                ("query must be a query of crumple, such as", local, "intersections"),
                 ("CandidateQuery is not supported on ranks", local, crumple.CandidateQuery()),
             ):
                 for call in (detector.find, detector.any):
@@ -57,7 +57,7 @@ def bodies_are_refused_together():
                 error = error_of(detector.intersections, world, **(ids if failed else {"body_ids": body_ids}))
                 assert error.rank == failing and message in str(error), error
         error = error_of(detector.intersections, world, body_ids=np.zeros_like(body_ids))
-        assert "body 0 is brought 8 times" in str(error) and (error.element, error.index) == ("body", 0), error
+        assert "body 0 is provided 8 times" in str(error) and (error.element, error.index) == ("body", 0), error
         error = error_of(detector.intersections, world, body_ids=body_ids, filter=excluding([(0, 8)]))
         assert "excluded_bodies names body 8 of 8" in str(error), error
         expected = crumple.Detector(**ONE).intersections(local.whole)
@@ -68,7 +68,7 @@ def excluding(bodies):
     return crumple.PairFilter(excluded_bodies=bodies)
 
 
-def features_are_refused_together():
+def invalid_feature_queries_are_refused_on_all_ranks():
     mesh = soup(60, size=0.4)
     local = RankMesh(mesh, round_robin(mesh))
     vertices, faces, _ = local.mesh
@@ -89,7 +89,7 @@ def features_are_refused_together():
                 "output must be one of": dict(radius=0.1, output="some"),
                 "a ProximityQuery needs a radius": dict(radius=None),
                 "radius must be a number": dict(radius="far"),
-                "radii and rest are for one process": dict(radii=np.ones(len(vertices))),
+                "radii and rest are not supported on ranks": dict(radii=np.ones(len(vertices))),
                 "rings must be 0": dict(radius=0.1, rings=1),
                 "least must be false": dict(radius=0.1, least=True),
                 "index must be false": dict(radius=0.1, index=True),
@@ -99,7 +99,7 @@ def features_are_refused_together():
                 assert error.rank == failing and message in str(error), error
         if COMM.size > 1:
             error = error_of(detector.find, local, crumple.ProximityQuery(radius=0.1 + COMM.rank))
-            assert "the ranks ask different questions" in str(error)
+            assert "the query and the options must be the same on all ranks" in str(error)
         check_features(
             detector.find(local, crumple.ProximityQuery(radius=0.1)),
             local,
@@ -141,7 +141,7 @@ def a_misspelt_argument_ends_the_call_on_all_ranks():
         check_rows(detector.find(local), local, crumple.Detector(**ONE).intersections(mesh))
 
 
-def ranks_fail_together_and_go_on():
+def all_ranks_fail_together_and_stay_usable():
     mesh = soup(60, size=0.4)
     local = RankMesh(mesh, round_robin(mesh))
     expected = crumple.Detector(**ONE).intersections(mesh)
@@ -204,7 +204,7 @@ def ranks_fail_together_and_go_on():
         if COMM.size > 1:
             for call in (detector.find, detector.any):
                 error = error_of(call, local, crumple.IntersectionQuery(weld=COMM.rank == 1))
-                assert "the ranks ask different questions" in str(error)
+                assert "the query and the options must be the same on all ranks" in str(error)
         check_rows(detector.find(local), local, expected)
 
     for options, what in (dict(threads="two"), "threads must be an integer"), (dict(parts=-1), "parts must be 0"):
@@ -252,7 +252,7 @@ def a_signal_ends_the_call_on_all_ranks():
         check_rows(detector.find(local), local, crumple.Detector(**ONE).intersections(mesh))
 
 
-def a_signal_is_seen_within_a_search():
+def a_signal_ends_a_search_early():
     signal.signal(signal.SIGALRM, ring)
     mesh = soup(20_000, size=0.05)
 
@@ -276,7 +276,7 @@ def a_signal_is_seen_within_a_search():
         assert min(cut_short) < whole / 2
 
 
-def what_shows_progress_may_end_the_call():
+def error_of_the_progress_callback_ends_the_call():
     mesh = soup(60, size=0.4)
     local = RankMesh(mesh, round_robin(mesh))
     expected = crumple.Detector(**ONE).intersections(mesh)
@@ -294,7 +294,7 @@ def what_shows_progress_may_end_the_call():
             check_rows(detector.find(local), local, expected)
 
 
-def one_call_at_a_time():
+def second_call_at_the_same_time_is_refused():
     mesh = soup(60, size=0.4)
     local = RankMesh(mesh, round_robin(mesh))
     with crumple.mpi.Detector(COMM, **ONE) as detector:
@@ -314,13 +314,13 @@ def one_call_at_a_time():
         check_rows(result, local, crumple.Detector(**ONE).intersections(mesh))
 
 
-def a_closed_detector_says_so():
+def closed_detector_refuses_calls():
     detector = crumple.mpi.Detector(COMM, parts=3, **ONE)
     assert (detector.rank, detector.ranks) == (COMM.rank, COMM.size)
     assert detector.options["threads"] == 1 and detector.options["parts"] == 3
     assert repr(detector).startswith("crumple.mpi.Detector(parts=3, batch_bytes=67108864, backend='cpu', threads=1")
     result = detector.intersections(soup(30, size=0.5))
-    assert repr(result).startswith(f"<crumple.mpi.Intersections: {len(result)} colliding pairs here, {result.count} ov")
+    assert repr(result).startswith(f"<crumple.mpi.Intersections: {len(result)} colliding pairs on this rank, ")
     detector.close()
     detector.close()
     for call in (lambda: detector.rank, lambda: detector.statistics, lambda: detector.intersections([], [])):

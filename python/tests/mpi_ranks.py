@@ -33,7 +33,7 @@ from conftest import OnDevice, soup
 BETWEEN_SOME = crumple.PairFilter(groups="between", excluded_groups=[(0, 1)])
 
 
-def the_result_is_that_of_one_detector():
+def intersections_match_a_single_detector():
     queries = [
         (cloth(), dict(output="contacts")),
         (soup(500, dtype=np.float64), dict(neighbours="skip")),
@@ -56,7 +56,7 @@ def the_result_is_that_of_one_detector():
                     assert detector.any(local, query) is bool(expected)
 
 
-def motion_is_that_of_one_detector():
+def impacts_match_a_single_detector():
     queries = [
         (cloth(60), cloth(61).vertices, {}),
         (
@@ -89,7 +89,7 @@ def motion_is_that_of_one_detector():
                     assert repr(result).startswith("<crumple.mpi.Impacts: "), result
 
 
-def nearness_is_that_of_one_detector():
+def near_pairs_match_a_single_detector():
     queries = [
         (cloth(), dict(radius=0.02)),
         (cloth(), dict(radius=0.02, strict=True, closest=True, weld=True)),
@@ -125,7 +125,7 @@ def on_device(array):
     return OnDevice(copy)
 
 
-def arrays_may_lie_on_a_device():
+def arrays_can_be_in_device_memory():
     mesh = grouped()
     local = RankMesh(mesh, round_robin(mesh))
     on_host = (local.mesh.vertices, local.mesh.faces, local.mesh.groups.astype(np.int32))
@@ -156,7 +156,7 @@ def arrays_may_lie_on_a_device():
         assert "CUDA device 99, but the detector of this rank works on device " in str(error), error
 
 
-def bodies_have_the_result_of_one_detector():
+def worlds_match_a_single_detector():
     one = crumple.Detector(**ONE)
     queries = [
         crumple.IntersectionQuery(output="contacts"),
@@ -176,7 +176,9 @@ def bodies_have_the_result_of_one_detector():
                 found = detector.find(local, query)
                 assert found.any == expected.any == bool(found) == detector.any(local, query)
                 assert repr(found).startswith("<crumple.mpi.Intersections: ")
-                assert (f"{len(found)} colliding pairs of bodies here" in repr(found)) == (output == "body_pairs")
+                assert (f"{len(found)} colliding pairs of bodies on this rank" in repr(found)) == (
+                    output == "body_pairs"
+                )
                 if output in ("count", "pairs", "contacts"):
                     assert found.count == expected.count > 0
                 else:
@@ -192,7 +194,7 @@ def bodies_have_the_result_of_one_detector():
                     assert points.tobytes() == expected.contacts[row].tobytes()
 
 
-def moving_bodies_have_the_result_of_one_detector():
+def moving_worlds_match_a_single_detector():
     one = crumple.Detector(**ONE)
     for distribution in (bodies_by_turns, bodies_of_the_last):
         local = local_world(distribution, self_collisions=[True, False] * 4)
@@ -238,7 +240,7 @@ def triangles_are_numbered_by_rank_without_ids():
         check_rows(detector.find(crumple.mpi.LocalMesh((vertices, faces))), local, expected)
 
 
-def frames_follow_one_another():
+def results_of_earlier_frames_stay_valid():
     held = []
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         for frame in range(60, 70):
@@ -256,7 +258,7 @@ def frames_follow_one_another():
     np.testing.assert_array_equal(pairs, before)
 
 
-def statistics_tell_what_was_done():
+def statistics_describe_the_search():
     mesh = cloth()
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         statistics = detector.find(RankMesh(mesh, round_robin(mesh))).statistics
@@ -269,7 +271,7 @@ def statistics_tell_what_was_done():
         assert "members=" in repr(statistics)
 
 
-def progress_is_shown():
+def progress_is_reported_for_each_part():
     mesh = cloth()
     local = RankMesh(mesh, round_robin(mesh))
     with crumple.mpi.Detector(COMM, parts=6, **ONE) as detector:
@@ -288,7 +290,7 @@ def progress_is_shown():
         assert seen == []
 
 
-def some_ranks_have_a_scene_of_their_own():
+def groups_of_ranks_can_search_their_own_scenes():
     half = COMM.Split(COMM.rank % 2)
     mesh = soup(60, size=0.4, seed=COMM.rank % 2)
     local = RankMesh(mesh, np.arange(60) % half.size, half.rank)

@@ -57,7 +57,7 @@ def points_of(kind, pairs, edges, faces):
 
 @pytest.mark.parametrize("kind", LISTS)
 @pytest.mark.parametrize("moving", [False, True])
-def test_candidates_are_those_of_boxes_that_are_near(kind, moving):
+def test_candidates_are_pairs_within_twice_the_inflation_radius(kind, moving):
     vertices, edges, faces = scene()
     radius = 0.04
     end = columns(vertices + 0.1 * np.random.default_rng(2).random(vertices.shape)) if moving else None
@@ -93,7 +93,7 @@ def boxes_overlap(points, split, end_points, radius):
     "kind, split", [("face_vertex", 1), ("edge_edge", 2), ("edge_vertex", 1), ("vertex_vertex", 1)]
 )
 @pytest.mark.parametrize("moving", [False, True])
-def test_boxes_that_overlap_are_those_of_ipctk(kind, split, moving):
+def test_box_candidates_are_ipctks_whose_exact_boxes_overlap(kind, split, moving):
     vertices, edges, faces = scene()
     radius = 0.04
     end = columns(vertices + 0.1 * np.random.default_rng(2).random(vertices.shape)) if moving else None
@@ -108,7 +108,7 @@ def test_boxes_that_overlap_are_those_of_ipctk(kind, split, moving):
     assert len(found[1]) > 3
 
 
-def test_boxes_give_ipctks_own_results():
+def test_box_candidates_give_the_step_and_intersections_of_ipctk():
     vertices, edges, faces = scene(rods=False)
     end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
     mesh, answers = ipctk.CollisionMesh(vertices, edges, faces), []
@@ -142,7 +142,7 @@ def test_steps_are_exact_and_no_shorter_than_ipctks():
     assert not adapter.is_step_collision_free(candidates, mesh, vertices, end, **share)
 
 
-def test_a_minimum_distance_is_a_separation():
+def test_step_with_minimum_distance_ends_at_the_first_impact():
     vertices, edges, faces = scene(rods=False)
     end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
     least = float(np.sqrt(crumple.proximities(vertices, faces, radius=0.05).edge_edge_squared_distance.min()))
@@ -152,7 +152,7 @@ def test_a_minimum_distance_is_a_separation():
     assert first == toi_of(crumple.first_impact(vertices, end, faces, min_distance=least / 2)) > 0
 
 
-def test_rods_and_points_go_through_ipctks_candidates():
+def test_step_with_rods_is_the_same_for_either_broad_phase():
     vertices, edges, faces = scene()
     end = columns(vertices + 0.3 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
     mesh = ipctk.CollisionMesh(vertices, edges, faces)
@@ -165,7 +165,7 @@ def test_rods_and_points_go_through_ipctks_candidates():
     assert times[0] == times[1] < 1
 
 
-def test_normal_collisions_are_the_same():
+def test_normal_collisions_match_those_of_ipctks_broad_phase():
     vertices, edges, faces = scene(rods=False)
     mesh, least = ipctk.CollisionMesh(vertices, edges, faces), []
     for broad_phase in (ipctk.LBVH(), adapter.BroadPhase()):
@@ -175,7 +175,7 @@ def test_normal_collisions_are_the_same():
     assert least[0] == least[1] and least[0][0] > 10
 
 
-def test_points_meet_points_and_rods():
+def test_points_collide_with_points_and_rods():
     vertices = columns([[0, 0, 0], [4, 0, 0], [9, 0, 0], [9, 5, 0], [6.0, 1, 0]])
     end = vertices.copy(order="F")
     end[[0, 4], 0] += [3, 6]
@@ -203,7 +203,7 @@ def test_pairs_that_may_not_collide_are_left_out():
     assert 0 < len(wanted) < len(every)
 
 
-def test_edges_that_are_not_listed_are_no_candidates():
+def test_unlisted_edges_are_not_candidates():
     vertices, edges, faces = scene(rods=False)
     broad_phase, few = adapter.BroadPhase(), edges[::3]
     broad_phase.build(vertices, edges, faces, 0.05)
@@ -219,7 +219,7 @@ BOTH = np.array([[0, 1, 2], [3, 4, 5]])
 
 
 @pytest.mark.parametrize("faces, rods", [(BOTH, []), (BOTH[:1], [[3, 4]]), (BOTH[:1], [[4, 5]]), (BOTH[:0], [[3, 4]])])
-def test_intersections_are_found_with_edges_of_no_triangle(faces, rods):
+def test_intersections_with_rods_match_brute_force(faces, rods):
     edges = np.array([*ipctk.edges(faces).tolist(), *rods]) if len(faces) else np.array(rods)
     mesh = ipctk.CollisionMesh(CROSSED, edges, faces)
     theirs = ipctk.has_intersections(mesh, columns(CROSSED), broad_phase=ipctk.BruteForce())
@@ -227,23 +227,23 @@ def test_intersections_are_found_with_edges_of_no_triangle(faces, rods):
 
 
 @pytest.mark.parametrize("edges, found", [([[0, 1], [5, 3]], [(0, 1), (1, 0)]), ([[5, 3]], [(0, 0)]), ([], [])])
-def test_edges_that_are_not_listed_have_no_number(edges, found):
+def test_edge_face_candidates_number_listed_edges_only(edges, found):
     broad_phase = adapter.BroadPhase()
     broad_phase.build(CROSSED, np.reshape(edges, (-1, 2)).astype(int), BOTH)
     assert [(c.edge_id, c.face_id) for c in broad_phase.detect_edge_face_candidates()] == found
     assert [(c.face0_id, c.face1_id) for c in broad_phase.detect_face_face_candidates()] == [(0, 1)]
 
 
-def test_errors():
+def test_invalid_edges_and_arguments_are_refused():
     broad_phase = adapter.BroadPhase()
-    with pytest.raises(crumple.InvalidInput, match="edges 1 and 2 are one edge"):
+    with pytest.raises(crumple.InvalidInput, match="edges 1 and 2 are the same edge"):
         broad_phase.build(CROSSED, [[0, 2], [0, 1], [1, 0]], BOTH)
     with pytest.raises(crumple.InvalidInput, match="edge 1 names vertex 4 twice"):
         broad_phase.build(CROSSED, [[0, 2], [4, 4]], BOTH)
     with pytest.raises(TypeError, match="three or four arrays"):
         broad_phase.build(CROSSED, BOTH)
     broad_phase.build(CROSSED, CROSSED, [[0, 1]], BOTH, 0.1)
-    with pytest.raises(NotImplementedError, match="at one moment"):
+    with pytest.raises(NotImplementedError, match="build with positions at one time"):
         broad_phase.detect_edge_face_candidates()
     broad_phase.clear()
     assert broad_phase.detect_face_vertex_candidates() == broad_phase.detect_edge_edge_candidates() == []
@@ -290,13 +290,13 @@ print("done")
 """
 
 
-def test_the_narrow_phase_answers_on_one_thread():
+def test_narrow_phase_is_exact_and_needs_one_thread():
     done = subprocess.run([sys.executable, "-c", ONE_THREAD], capture_output=True, text=True, timeout=100)
     assert done.stdout.endswith("done\n"), done.stderr
 
 
 @pytest.mark.skipif(not DATA.exists(), reason=f"no frames in {DATA}")
-def test_frames_of_a_simulation():
+def test_cloth_frames_give_exact_steps_no_shorter_than_ipctks():
     first, second = (crumple.read_mesh(DATA / "cloth-funnel" / "frames" / f"{frame}.ply") for frame in (227, 228))
     start, end = columns(first.vertices.astype(float)), columns(second.vertices.astype(float))
     mesh = ipctk.CollisionMesh(start, columns(ipctk.edges(columns(first.faces))), columns(first.faces))

@@ -47,7 +47,7 @@ def check_least(least, distances):
 
 
 @pytest.mark.parametrize("listed", [True, False])
-def test_lists_are_those_of_brute_force(listed):
+def test_contact_lists_match_brute_force(listed):
     vertices, faces, edges = cloth()
     if not listed:
         edges = crumple.proximities((vertices, faces), radius=0).edges
@@ -81,7 +81,7 @@ def test_lists_are_those_of_brute_force(listed):
         check_least(edge_least[e], distance[hit])
 
 
-def test_the_radius_itself_is_no_contact():
+def test_contacts_are_strictly_closer_than_the_radius():
     vertices = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 0.5], [9, 9, 9], [8, 9, 9]])
     detector = SelfContactDetector([[0, 1, 2], [3, 4, 5]])
     assert detector.detect(vertices, 0.5).vertex_colliding_triangles.tolist() == []
@@ -91,7 +91,7 @@ def test_the_radius_itself_is_no_contact():
     assert contacts.triangle_colliding_vertices_min_dist.tolist() == [0.5, 0.5]
 
 
-def test_warp_reads_them_and_is_read():
+def test_warp_arrays_are_accepted_and_share_memory_with_results():
     wp = peer("warp")
     wp.config.quiet = True
     vertices, faces, edges = cloth()
@@ -109,13 +109,13 @@ def test_warp_reads_them_and_is_read():
             assert array.dtype in (wp.int32, wp.float32)
 
 
-def test_errors():
+def test_invalid_edges_and_radius_are_refused():
     vertices, faces, edges = cloth()
     with pytest.raises(crumple.InvalidInput, match=r"edges must have shape \(n, 2\) or \(n, 4\), not \(5, 3\)"):
         SelfContactDetector(faces, np.zeros((5, 3), int))
     odd = edges.copy()
     odd[7] = [0, 0]
-    with pytest.raises(crumple.InvalidInput, match=r"each once, and edge 7, \(0, 0\), is none of them"):
+    with pytest.raises(crumple.InvalidInput, match=r"each once, and edge 7, \(0, 0\), is not one of them"):
         SelfContactDetector(faces, odd).detect(vertices, RADIUS)
     with pytest.raises(crumple.InvalidInput, match=rf"the {len(edges)} edges of .* is missing"):
         SelfContactDetector(faces, edges[1:]).detect(vertices, RADIUS)

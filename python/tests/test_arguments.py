@@ -33,7 +33,10 @@ OPTIONS = [
         {"filter": crumple.PairFilter(excluded_groups=[(1, 2, 3)])},
         r"excluded_groups must have shape \(n, 2\), not \(1, 3\)",
     ),
-    ({"filter": crumple.PairFilter(groups="\udc80")}, r"^groups must be text that UTF-8 can hold, not '\\udc80'$"),
+    (
+        {"filter": crumple.PairFilter(groups="\udc80")},
+        r"^groups must be text that can be encoded as UTF-8, not '\\udc80'$",
+    ),
     (
         {"filter": crumple.PairFilter(excluded_groups=[(1, -(2**31) - 1)])},
         r"group id -2147483649 at 0 does not fit int32",
@@ -42,7 +45,7 @@ OPTIONS = [
 
 
 @pytest.mark.parametrize("query, message", OPTIONS)
-def test_wrong_queries_are_named(query, message, detector):
+def test_error_names_the_wrong_query_option(query, message, detector):
     with pytest.raises(crumple.InvalidInput, match=message):
         detector.intersections(MESH, **query)
 
@@ -63,7 +66,7 @@ WRONG_TYPES = [
 
 
 @pytest.mark.parametrize("query, message", WRONG_TYPES)
-def test_wrong_types_in_a_query_are_named(query, message, detector):
+def test_error_names_the_query_option_of_wrong_type(query, message, detector):
     with pytest.raises(crumple.InvalidType, match=f"^{message}$") as caught:
         detector.intersections(MESH, **query)
     assert isinstance(caught.value, TypeError) and isinstance(caught.value, crumple.InvalidInput)
@@ -88,23 +91,23 @@ def test_wrong_types_in_a_query_are_named(query, message, detector):
         ({"simd": b"avx2"}, 'simd must be one of "automatic", .*, not bytes'),
     ],
 )
-def test_wrong_types_of_options_are_named(options, message):
+def test_error_names_the_detector_option_of_wrong_type(options, message):
     with pytest.raises(crumple.InvalidType, match=f"^{message}$"):
         crumple.Detector(**options)
 
 
 @pytest.mark.parametrize("name", ["threads", "clusters", "leaf_size"])
-def test_integers_that_are_too_large_are_named(name):
+def test_error_names_the_option_that_is_too_large(name):
     for value in (10**12, -(10**12), 10**30):
         with pytest.raises(crumple.InvalidInput, match=f"^{name} must be from -2147483648 to 2147483647, not {value}$"):
             crumple.Detector(**{name: value})
     with pytest.raises(crumple.InvalidInput, match="^memory_limit must be from .* not 1000000000000000000000$"):
         crumple.Detector(memory_limit=10**21)
-    with pytest.raises(crumple.InvalidInput, match="^stop is beyond float64$"):
+    with pytest.raises(crumple.InvalidInput, match="^stop is outside the range of float64$"):
         crumple.Detector(fuzzy_c_means=FuzzyCMeans(stop=10**400))
 
 
-def test_numpy_scalars_do_where_python_s_do():
+def test_numpy_scalars_are_accepted_like_python_numbers():
     for integer in (np.int8, np.uint16, np.int64, np.uint64):
         detector = crumple.Detector(threads=integer(2), memory_limit=integer(0), leaf_size=integer(100))
     detector = crumple.Detector(
@@ -116,7 +119,7 @@ def test_numpy_scalars_do_where_python_s_do():
     assert len(crumple.make_scene("soup", triangles=np.int64(20), frame=np.uint8(0), seed=np.uint64(2**63)).faces)
 
 
-def test_other_wrong_types_are_named(detector, tmp_path):
+def test_error_names_the_wrong_argument_of_a_call(detector, tmp_path):
     for call, message in [
         (lambda: detector.partition(MESH, count="3"), "count must be an integer, not str"),
         (lambda: detector.partition(MESH, count=0), "the number of parts must be 1 to 262144"),
@@ -128,7 +131,7 @@ def test_other_wrong_types_are_named(detector, tmp_path):
         (lambda: crumple.write_mesh([], MESH), "path must be a str, bytes or os.PathLike, not list"),
         (lambda: detector.intersections(MESH).save(None), "path must be a str, bytes or os.PathLike, not None"),
         (lambda: detector.intersections(MESH).to_html(height="tall"), "height must be an integer, not str"),
-        (lambda: crumple.make_scene("\ud800"), r"name must be text that UTF-8 can hold, not '\\ud800'"),
+        (lambda: crumple.make_scene("\ud800"), r"name must be text that can be encoded as UTF-8, not '\\ud800'"),
         (lambda: crumple.make_scene(3), "name must be a str, not int"),
         (lambda: crumple.make_scene("cloth", triangles="many"), "triangles must be an integer, not str"),
         (lambda: crumple.make_scene("cloth", seed=-1), "seed must be from 0 to 18446744073709551615, not -1"),
@@ -137,18 +140,18 @@ def test_other_wrong_types_are_named(detector, tmp_path):
         (lambda: detector.intersections(None, MESH), "a mesh must be .*, not NoneType"),
         (
             lambda: detector.find(MESH, "pairs"),
-            "query must be one of crumple's, such as crumple.ImpactQuery\\(\\), not str",
+            "query must be a query of crumple, such as crumple.ImpactQuery\\(\\), not str",
         ),
         (
             lambda: detector.find(MESH, crumple.ImpactQuery),
-            "query must be one of crumple's, such as .*, not the type crumple._queries.ImpactQuery itself",
+            "query must be a query of crumple, such as .*, not the type crumple._queries.ImpactQuery itself",
         ),
     ]:
         with pytest.raises(crumple.InvalidInput, match=f"^{message}$"):
             call()
 
 
-def test_between_groups_needs_groups(detector):
+def test_filter_between_groups_needs_groups(detector):
     between = crumple.IntersectionQuery(filter=crumple.PairFilter(groups="between"))
     for call in (detector.find, detector.any):
         with pytest.raises(crumple.InvalidInput, match="between needs groups, and the mesh has none"):
@@ -164,7 +167,7 @@ def test_between_groups_needs_groups(detector):
         detector.intersections(MESH, MESH._replace(groups=[]))
 
 
-def test_groups_of_every_integer_type(detector):
+def test_groups_of_every_integer_type_give_the_same_pairs(detector):
     mesh = soup(100, size=0.4)
     groups = np.arange(100) % 3
     expected = detector.intersections(
@@ -198,7 +201,7 @@ def test_groups_of_every_integer_type(detector):
         )
 
 
-def test_pairs_of_groups_from_any_iterable(detector):
+def test_excluded_groups_can_be_any_iterable(detector):
     mesh = soup(100, size=0.4)._replace(groups=np.arange(100) % 3)
     pairs = [(0, 1), (0, 2)]
     expected = detector.intersections(mesh, filter=crumple.PairFilter(excluded_groups=pairs)).pairs.tolist()
@@ -239,7 +242,7 @@ class Raising:
         lambda value: crumple.Detector().intersections(MESH).save(value),
     ],
 )
-def test_what_is_not_about_the_argument_goes_on(call):
+def test_unrelated_errors_raised_by_arguments_propagate(call):
     for error in (KeyboardInterrupt(), MemoryError(), ZeroDivisionError("inside")):
         with pytest.raises(type(error)):
             call(Raising(error))
@@ -251,7 +254,7 @@ def test_what_is_not_about_the_argument_goes_on(call):
     "options, message",
     [
         ({"threads": -1}, "threads must be 0"),
-        ({"clusters": 65}, "clusters must be 0 .chosen. to 64"),
+        ({"clusters": 65}, "clusters must be 0 .automatic. to 64"),
         ({"leaf_size": 0}, "leaf_size must be at least 1"),
         ({"fuzzy_c_means": FuzzyCMeans(fuzziness=1.0)}, "fuzziness must be finite and above 1"),
         ({"memory_limit": -5}, "memory_limit must be 0"),
@@ -260,7 +263,7 @@ def test_what_is_not_about_the_argument_goes_on(call):
         ({"simd": "mmx"}, 'simd must be one of "automatic"'),
     ],
 )
-def test_wrong_options_are_named(options, message):
+def test_error_names_the_wrong_detector_option(options, message):
     with pytest.raises(crumple.InvalidInput, match=message):
         crumple.Detector(**options)
 
@@ -277,7 +280,7 @@ def test_a_missing_instruction_set_is_an_error(detector):
     assert missing, "no machine has both AVX and NEON"
 
 
-def test_the_cuda_backend_says_why_it_is_not_there():
+def test_error_explains_why_the_cuda_backend_is_unavailable():
     try:
         detector = crumple.Detector(backend="cuda", device=1000)
     except crumple.BackendUnavailable as error:
@@ -287,7 +290,7 @@ def test_the_cuda_backend_says_why_it_is_not_there():
         pytest.fail(f"{detector} has a thousand devices")
 
 
-def test_a_memory_limit_names_a_lower_bound():
+def test_memory_limit_error_states_a_lower_bound():
     import pickle
 
     mesh = soup(3000)
@@ -326,13 +329,13 @@ ARRAYS_OF_NOTHING = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), None, np.zero
         None,
     ],
 )
-def test_the_state_of_a_part_is_checked(state):
+def test_malformed_state_of_a_part_is_refused(state):
     part = crumple.Part.__new__(crumple.Part)
     with pytest.raises(crumple.InvalidType, match="^the state of a Part must be a tuple"):
         part.__setstate__(state)
 
 
-def test_a_part_whose_state_does_not_fit_together_is_refused(detector):
+def test_part_with_inconsistent_state_is_refused(detector):
     part = crumple.Part.__new__(crumple.Part)
     part.__setstate__((0, 1, ARRAYS_OF_NOTHING, None, [], None))
     with pytest.raises(crumple.InvalidInput, match="a part needs 1 to 4 levels"):
@@ -341,7 +344,7 @@ def test_a_part_whose_state_does_not_fit_together_is_refused(detector):
         detector.intersections(1)
 
 
-def test_a_part_that_nothing_was_put_into_is_refused(detector):
+def test_uninitialised_part_is_refused(detector):
     empty = crumple.Part.__new__(crumple.Part)
     for look in (
         lambda: empty.mesh,
@@ -350,7 +353,7 @@ def test_a_part_that_nothing_was_put_into_is_refused(detector):
         lambda: empty.triangles_second,
         lambda: detector.intersections(empty),
     ):
-        with pytest.raises(crumple.InvalidInput, match="is a crumple.Part that nothing was put into$"):
+        with pytest.raises(crumple.InvalidInput, match="is an empty crumple.Part; get parts from Detector.partition$"):
             look()
 
 
@@ -364,7 +367,7 @@ def test_excluded_groups_that_change_between_calls_are_read_again(detector):
 
 
 @pytest.mark.parametrize("query", [crumple.IntersectionQuery(output="count"), crumple.ProximityQuery(radius=0.125)])
-def test_queries_that_were_used_are_copied_and_pickled_like_others(query, detector):
+def test_used_queries_can_be_copied_and_pickled(query, detector):
     found = detector.find(MESH, query)
     for same in (pickle.loads(pickle.dumps(query)), copy.copy(query), copy.deepcopy(query)):
         assert same == query and vars(same) == {field.name: getattr(query, field.name) for field in fields(query)}

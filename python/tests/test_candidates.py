@@ -46,7 +46,7 @@ def by_brute_force(vertices, end, faces, kind, inflation):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_lists_are_the_definition(either, kind):
+def test_candidates_match_brute_force(either, kind):
     vertices, faces, _ = soup(24, seed=3)
     end = vertices + np.random.default_rng(1).uniform(-0.1, 0.1, vertices.shape).astype(vertices.dtype)
     for inflation in (0, 0.05):
@@ -56,7 +56,7 @@ def test_the_lists_are_the_definition(either, kind):
     assert getattr(rest, LISTS[kind]).tolist() == by_brute_force(vertices, vertices, faces, kind, 0.02)
 
 
-def test_one_ulp_more_is_not_listed(either):
+def test_boxes_one_ulp_too_far_apart_are_not_candidates(either):
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]], float)
     assert either.candidates(vertices, FACES, inflation=0.5)
     vertices[3:, 2] = np.nextafter(1, 2)
@@ -64,7 +64,7 @@ def test_one_ulp_more_is_not_listed(either):
     assert either.candidates(vertices, FACES, inflation=np.nextafter(0.5, 1))
 
 
-def test_what_was_not_asked_for_says_how_to_ask():
+def test_error_explains_how_to_request_a_missing_list():
     found = crumple.Detector().candidates(START, FACES, end=END, kinds=["face_face"])
     assert found.face_faces.tolist() == [[0, 1]] and found.kinds == ("face_face",)
     assert "1 candidate, 1 face_face" in repr(found) and len(found) == 1
@@ -74,7 +74,7 @@ def test_what_was_not_asked_for_says_how_to_ask():
         _ = found.face_face_bodies
 
 
-def test_arrays_are_views_or_copies():
+def test_arrays_are_read_only_unless_copied():
     detector = crumple.Detector()
     found = detector.candidates(START, FACES, end=END)
     assert found.vertex_faces.dtype == np.int32 and not found.vertex_faces.flags.writeable
@@ -86,7 +86,7 @@ def test_arrays_are_views_or_copies():
     assert_same(crumple.candidates(START, FACES, end=END), found)
 
 
-def test_copies_and_pickles():
+def test_copies_and_pickles_keep_the_candidates():
     found = crumple.candidates(START, FACES, end=END, kinds=KINDS)
     for other in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
         assert_same(other, found)
@@ -111,7 +111,7 @@ def test_copies_and_pickles():
         restore(kind, asked, {})
 
 
-def test_a_world_is_its_bodies(either):
+def test_candidates_of_a_world_match_those_of_the_joined_mesh(either):
     vertices, faces, _ = soup(20, seed=5)
     faces = np.sort(faces, axis=1)
     half = len(faces) // 2
@@ -132,7 +132,7 @@ def test_a_world_is_its_bodies(either):
     assert_same(moved, found)
 
 
-def test_listed_edges_and_points(either):
+def test_codimensional_edges_and_points_are_candidates(either):
     vertices = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 0.5, 0]], float)
     found = either.candidates(vertices, edges=[[2, 1], [0, 3]], points=[3, 1], kinds=KINDS, inflation=0.5)
     assert found.edges.tolist() == [[2, 1], [0, 3]] and found.points.tolist() == [3, 1]
@@ -146,20 +146,20 @@ def test_listed_edges_and_points(either):
         ({"inflation": -1}, "inflation must be finite and 0 or more"),
         ({"inflation": np.nan}, "inflation must be finite and 0 or more"),
         ({"inflation": "1"}, "inflation must be"),
-        ({"kinds": []}, "kinds names no kind of candidates"),
+        ({"kinds": []}, "kinds must have at least one kind of candidates"),
         ({"kinds": "face_vertex"}, 'kinds must be one of "vertex_face", '),
         ({"kinds": 3}, "kinds must be an iterable of str, not int"),
         ({"end": END[:3]}, "end"),
         ({"weld": 2}, "weld must be True or False"),
     ],
 )
-def test_errors(question, message):
+def test_error_names_the_wrong_option(question, message):
     with pytest.raises((crumple.InvalidInput, crumple.InvalidType), match=message):
         crumple.Detector().candidates(START, FACES, **question)
     with pytest.raises(TypeError, match="Did you mean 'inflation'"):
         crumple.Detector().candidates(START, FACES, inflaton=1)
 
 
-def test_meshes_on_a_device():
+def test_meshes_in_cuda_memory_need_the_cuda_backend():
     with pytest.raises(crumple.InvalidInput, match="CUDA memory"):
         crumple.Detector().candidates(OnDevice(START), OnDevice(FACES))

@@ -14,7 +14,7 @@ from features import END, FACES, START, assert_same
 LINE = np.array([[x, 0, 0] for x in range(5)], np.float64)
 
 
-def test_particles(either):
+def test_near_particles_are_found(either):
     found = either.proximities(LINE, points=[3, 0, 2], radius=2, closest=True, least=True, index=True)
     assert found.vertex_vertices.tolist() == [[0, 2], [1, 2]] and found.points.tolist() == [3, 0, 2]
     assert found.vertex_vertex_squared_distance.tolist() == [1, 4] and found.first_point.tolist() == [0, 3]
@@ -26,7 +26,7 @@ def test_particles(either):
     assert not either.proximities(LINE, [], radius=9) and not either.proximities(LINE, points=[], radius=9)
 
 
-def test_rods(either):
+def test_impacts_of_rods_are_found(either):
     end = LINE.copy()
     end[4] = [0.5, 0, 0]
     found = either.impacts(LINE, end, edges=[[1, 0], [1, 2]], points=np.array([4, 2]), index=True)
@@ -45,7 +45,7 @@ def test_rods(either):
 
 
 @pytest.mark.parametrize("dtype", [np.int32, np.int64, np.uint8, ">i4"])
-def test_a_mesh_may_list_its_own(dtype, either):
+def test_listing_the_features_of_a_mesh_changes_no_pairs(dtype, either):
     mesh = soup(14, size=0.5, dtype=np.float64)
     plain = either.proximities(mesh, radius=0.1)
     edges = plain.edges.astype(dtype)
@@ -59,7 +59,7 @@ def test_a_mesh_may_list_its_own(dtype, either):
     )
 
 
-def test_worlds(either):
+def test_worlds_can_have_codimensional_features(either):
     strand = crumple.Shape(LINE, edges=[[0, 1], [3, 4]], points=[2, 0])
     world = crumple.World(
         [strand, crumple.Shape(START, FACES, end=END)], [0, 0, 1], poses=poses_at([0, 0, 9]), self_collisions=True
@@ -81,7 +81,7 @@ def poses_at(places):
     return poses
 
 
-def test_files(detector, tmp_path):
+def test_files_hold_pairs_of_codimensional_features(detector, tmp_path):
     found = detector.proximities(LINE, edges=[[1, 0]], points=[3, 2, 4], radius=1)
     again = pickle.loads(pickle.dumps(found))
     for answer in (found, again):
@@ -112,7 +112,7 @@ def test_files(detector, tmp_path):
         ({"points": OnDevice(np.arange(2))}, "^points in CUDA memory must be"),
     ],
 )
-def test_wrong_lists_are_refused(lists, message, either):
+def test_wrong_edges_and_points_are_refused(lists, message, either):
     for ask in (
         lambda: either.proximities(LINE, radius=1, **lists),
         lambda: either.impacts(LINE, LINE, **lists),
@@ -122,7 +122,7 @@ def test_wrong_lists_are_refused(lists, message, either):
             ask()
 
 
-def test_the_error_names_the_element(detector):
+def test_error_names_the_wrong_edge_or_point(detector):
     with pytest.raises(crumple.InvalidInput) as caught:
         detector.proximities(LINE, edges=[[0, 1], [3, 3]], radius=1)
     assert (caught.value.element, caught.value.index) == ("edge", 1)

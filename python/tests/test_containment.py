@@ -20,7 +20,7 @@ def world():
     return crumple.World(bodies, names=["unit", "room", "box", "wall", "far"])
 
 
-def test_body_pairs_say_which_are_inside(detector):
+def test_body_pairs_report_which_are_inside(detector):
     assert detector.intersections(world(), output="body_pairs").names == [("unit", "box"), ("room", "wall")]
     found = detector.intersections(world(), **INSIDE)
     assert found.names == [("unit", "room"), ("unit", "box"), ("room", "box"), ("room", "wall")]
@@ -31,7 +31,7 @@ def test_body_pairs_say_which_are_inside(detector):
     assert reference.inside.tolist() == found.inside.tolist()
 
 
-def test_two_meshes_are_two_bodies(detector):
+def test_containment_of_two_meshes_is_found(detector):
     assert not detector.any([UNIT, ROOM])
     assert detector.any([UNIT, ROOM], crumple.IntersectionQuery(containment=True))
     assert detector.intersections(UNIT, ROOM, output="any", containment=True)
@@ -40,7 +40,7 @@ def test_two_meshes_are_two_bodies(detector):
     assert not detector.intersections(UNIT, box([9, 9, 9]), **INSIDE)
 
 
-def test_configurations_have_flags(detector):
+def test_each_configuration_has_its_own_flag(detector):
     poses = np.tile(np.eye(3, 4), (4, 1, 1, 1))
     poses[:, 0, 0, 3] = [0, 2.5, 9, 0.5]
     many = crumple.World([UNIT, ROOM], worlds=[0, -1]).configurations(poses)
@@ -49,7 +49,7 @@ def test_configurations_have_flags(detector):
     assert found.world_hit.tolist() == [True, True, False, True]
 
 
-def test_open_bodies_contain_nothing(detector):
+def test_open_bodies_are_refused_or_contain_nothing(detector):
     opened = crumple.Mesh(CORNERS, FACES[1:])
     open_room = crumple.Mesh(CORNERS * 4 - 1, FACES[1:])
     with pytest.raises(crumple.InvalidInput, match="IntersectionQuery::open leaves such bodies out"):
@@ -63,7 +63,7 @@ def test_open_bodies_contain_nothing(detector):
 
 
 @pytest.mark.parametrize("output", ["any", "any_by_world", "body_pairs"])
-def test_results_are_copied_and_pickled(detector, output):
+def test_results_can_be_copied_and_pickled(detector, output):
     opened = crumple.Mesh(CORNERS, FACES[1:])
     for scene in (crumple.World([opened, ROOM]), [opened, ROOM]):
         found = detector.intersections(scene, output=output, containment=True, open="skip")
@@ -73,19 +73,19 @@ def test_results_are_copied_and_pickled(detector, output):
                 assert other.inside.tolist() == [True] and other.bodies.tolist() == [[0, 1]]
 
 
-def test_states_that_do_not_fit_are_refused(detector):
+def test_inconsistent_pickled_states_are_refused(detector):
     found = detector.intersections(world(), **INSIDE)
-    with pytest.raises(crumple.InvalidInput, match="does not fit together: inside"):
+    with pytest.raises(crumple.InvalidInput, match="is inconsistent: inside"):
         restored(found, inside=lambda array: array[1:])
     for skipped in ([-1], [1, 1]):
-        with pytest.raises(crumple.InvalidInput, match="does not fit together: skipped"):
+        with pytest.raises(crumple.InvalidInput, match="is inconsistent: skipped"):
             restored(found, skipped=lambda array, skipped=skipped: np.array(skipped, np.int32))
     plain = detector.intersections(world(), output="body_pairs")
-    with pytest.raises(crumple.InvalidInput, match="does not fit together: skipped"):
+    with pytest.raises(crumple.InvalidInput, match="is inconsistent: skipped"):
         restored(plain, skipped=lambda array: np.array([0], np.int32))
 
 
-def test_arrays_that_were_not_requested_say_how(detector):
+def test_error_explains_how_to_request_a_missing_array(detector):
     with pytest.raises(crumple.InvalidInput, match=r"inside was not requested: IntersectionQuery\(containment=True\)"):
         _ = detector.intersections(world(), output="body_pairs").inside
     with pytest.raises(
@@ -104,20 +104,20 @@ def test_arrays_that_were_not_requested_say_how(detector):
         ({"output": "any", "open": "maybe"}, "open must be"),
     ],
 )
-def test_options_that_make_no_sense_are_refused(detector, options, message):
+def test_options_that_conflict_with_containment_are_refused(detector, options, message):
     with pytest.raises(crumple.InvalidInput, match=message):
         detector.intersections(world(), containment=True, **options)
 
 
-def test_a_mesh_alone_has_no_bodies(detector):
+def test_containment_of_a_single_mesh_is_refused(detector):
     query = crumple.IntersectionQuery(output="any", containment=True)
     assert not detector.supports(ROOM, query)
     assert detector.supports(ROOM) and detector.supports([UNIT, ROOM], query) and detector.supports(world(), query)
-    with pytest.raises(crumple.InvalidInput, match="containment is that of bodies: a world, or two meshes"):
+    with pytest.raises(crumple.InvalidInput, match="containment needs bodies: a world or two meshes"):
         detector.find(ROOM, query)
 
 
-def test_pictures_colour_whole_bodies(detector, tmp_path):
+def test_result_with_containment_can_be_saved_as_glb(detector, tmp_path):
     found = detector.intersections(world(), **INSIDE)
     found.save(tmp_path / "found.glb")
     assert (tmp_path / "found.glb").stat().st_size > 0

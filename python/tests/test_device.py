@@ -74,18 +74,18 @@ def assert_same(found, expected):
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 @pytest.mark.parametrize("index", [np.int32, np.uint32, np.int64])
-def test_every_type(cuda, cpu, scalar, index):
+def test_device_arrays_of_every_type_match_the_cpu(cuda, cpu, scalar, index):
     mesh = MESH.vertices.astype(scalar), MESH.faces.astype(index)
     expected = cpu.intersections(*mesh, output="contacts")
     assert len(expected.pairs) > 100
     assert_same(cuda.intersections(mesh_on_device(crumple.Mesh(*mesh)), output="contacts"), expected)
 
 
-def test_devices(cuda, cpu):
+def test_detector_accepts_a_list_of_devices(cuda, cpu):
     """A list of one device works like the option `device`. C++ tests cover several devices, on emulated ones."""
     listed = crumple.Detector(backend="cuda", devices=[0])
     assert_same(listed.intersections(MESH), cpu.intersections(MESH))
-    with pytest.raises(crumple.InvalidInput, match="each once"):
+    with pytest.raises(crumple.InvalidInput, match="all different"):
         crumple.Detector(backend="cuda", devices=(0, 0))
     with pytest.raises(TypeError, match="devices must be a sequence of integers"):
         crumple.Detector(backend="cuda", devices=1)
@@ -95,19 +95,19 @@ def test_devices(cuda, cpu):
 
 @pytest.mark.skipif(ON_CPU, reason="their arrays need a device")
 @pytest.mark.parametrize("place", [_cupy, _jax])
-def test_other_packages(cuda, cpu, place):
+def test_arrays_of_cupy_and_jax_match_the_cpu(cuda, cpu, place):
     mesh = crumple.Mesh(*map(place, MESH[:2]))
     assert_same(cuda.intersections(mesh, output="contacts"), cpu.intersections(*MESH[:2], output="contacts"))
 
 
-def test_strides(cuda, cpu):
+def test_strided_device_arrays_match_the_cpu(cuda, cpu):
     columns, rows = on_device(MESH.vertices.T), on_device(np.repeat(MESH.faces, 2, axis=0))
     mesh = (OnDevice(columns.array.T), OnDevice(rows.array[::2])) if ON_CPU else (columns.T, rows[::2])
     assert_same(cuda.intersections(*mesh), cpu.intersections(*MESH[:2]))
 
 
 @pytest.mark.parametrize("index", [np.int32, np.int64])
-def test_flat_faces(cuda, cpu, index):
+def test_faces_can_be_flat(cuda, cpu, index):
     flat = MESH.faces.ravel().astype(index)
     assert_same(cuda.intersections(on_device(MESH.vertices), on_device(flat)), cpu.intersections(*MESH[:2]))
     with pytest.raises(crumple.InvalidInput, match=r"^faces in CUDA memory must be \(m, 3\) or \(3m\) of int32"):
@@ -123,7 +123,7 @@ def test_flat_faces(cuda, cpu, index):
         crumple.IntersectionQuery(filter=crumple.PairFilter(excluded_groups=[(0, 1)])),
     ],
 )
-def test_queries(cuda, cpu, query):
+def test_intersection_queries_match_the_cpu(cuda, cpu, query):
     mesh, two = mesh_on_device(MESH), [mesh_on_device(MESH), mesh_on_device(OTHER)]
     assert_same(cuda.find(mesh, query), cpu.find(MESH, query))
     assert_same(cuda.find(two, query), cpu.find([MESH, OTHER], query))
@@ -131,14 +131,14 @@ def test_queries(cuda, cpu, query):
     assert cuda.any(two, query) == cpu.any([MESH, OTHER], query)
 
 
-def test_parts(cuda, cpu):
+def test_parts_together_find_the_pairs_of_the_mesh(cuda, cpu):
     mesh = mesh_on_device(MESH)
     pairs = [cuda.find(part).pairs for part in cuda.partition(mesh, count=5)]
     joined = np.concatenate(pairs)
     np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], cpu.intersections(MESH).pairs)
 
 
-def test_errors_name_the_place(cuda):
+def test_error_names_the_vertex_or_triangle(cuda):
     vertices, faces = MESH.vertices.copy(), MESH.faces.copy()
     vertices[17, 1] = np.nan
     with pytest.raises(crumple.InvalidInput, match="vertex 17 is not finite"):
@@ -148,7 +148,7 @@ def test_errors_name_the_place(cuda):
         cuda.intersections(on_device(MESH.vertices), on_device(faces))
 
 
-def test_another_device_is_refused(cuda):
+def test_arrays_on_another_device_are_refused(cuda):
     mesh = OnDevice(MESH.vertices, 7), OnDevice(MESH.faces, 7)
     with pytest.raises(
         crumple.InvalidInput, match="in the memory of CUDA device 7, but the detector works on device 0"
@@ -156,17 +156,17 @@ def test_another_device_is_refused(cuda):
         cuda.intersections(*mesh)
 
 
-def test_both_meshes_lie_in_one_place(cuda):
-    with pytest.raises(crumple.InvalidInput, match="the second mesh lies in host memory, the other one in device"):
+def test_two_meshes_must_be_in_the_same_memory(cuda):
+    with pytest.raises(crumple.InvalidInput, match="the second mesh must be in device memory, like the first mesh"):
         cuda.intersections(mesh_on_device(MESH), OTHER)
 
 
-def test_files_and_pictures_want_the_host(cuda, tmp_path):
+def test_pairs_can_be_saved_but_device_meshes_cannot(cuda, tmp_path):
     result = cuda.intersections(mesh_on_device(MESH))
     for name in ("mesh.ply", "mesh.obj", "mesh.glb", "mesh.html"):
-        with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but are wanted in the host's"):
+        with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but must be in host memory"):
             result.save(tmp_path / name)
-    with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but are wanted in the host's"):
+    with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but must be in host memory"):
         crumple.write_mesh(tmp_path / "mesh.ply", mesh_on_device(MESH))
     result.save(tmp_path / "pairs.csv")
     assert len(crumple.read_pairs(tmp_path / "pairs.csv")) == len(result)
@@ -178,7 +178,7 @@ def test_devices_are_listed(cuda):
     assert cuda.fallback == ""
 
 
-def test_arrays_in_host_memory_are_brought_there(cuda, cpu):
+def test_host_arrays_give_the_same_pairs_on_the_device(cuda, cpu):
     assert cuda.backend == "cuda" and cpu.backend == "cpu"
     assert_same(cuda.intersections(MESH), cpu.intersections(MESH))
 
@@ -211,7 +211,7 @@ IMPACTS = [f"{kind}{what}" for kind in ("vertex_face", "edge_edge") for what in 
 NEAR = [f"{kind}{what}" for kind in ("vertex_face", "edge_edge") for what in ("s", "_squared_distance", "_touching")]
 
 
-def test_features_of_arrays_there(cuda, cpu):
+def test_feature_queries_of_device_arrays_match_the_cpu(cuda, cpu):
     start, end, faces = map(on_device, (START, END, FACES))
     radii = np.linspace(0, 0.1, len(START))
     edges, points = np.array([[0, 5], [7, 3]], np.int32), np.array([1, 9, 9], np.int32)
@@ -232,7 +232,7 @@ def test_features_of_arrays_there(cuda, cpu):
     assert cuda.free_step(start, end, faces).share == cpu.free_step(START, END, FACES).share
 
 
-def test_all_arrays_of_a_query_lie_together(cuda):
+def test_all_arrays_of_a_query_must_be_in_the_same_memory(cuda):
     start, end, faces = map(on_device, (START, END, FACES))
     with pytest.raises(crumple.InvalidInput, match="^end vertices lie in host memory, but vertices in"):
         cuda.impacts(start, END, faces)
@@ -246,7 +246,7 @@ def test_all_arrays_of_a_query_lie_together(cuda):
         crumple.Detector(backend="cpu").impacts(start, end, faces)
 
 
-def test_launches(cuda, cpu):
+def test_results_of_launches_match_the_cpu(cuda, cpu):
     start, end, faces = map(on_device, (START, END, FACES))
     mesh = crumple.Mesh(start, faces)
     for _ in range(3):
@@ -270,7 +270,7 @@ def test_launches(cuda, cpu):
         found.pear
 
 
-def test_arrays_outlive_a_launch(cuda, cpu):
+def test_launch_keeps_its_arrays_alive(cuda, cpu):
     """The detector keeps the arrays of a launch alive, even if the caller drops them."""
     mesh = crumple.Mesh(on_device(START), on_device(FACES)).moving_to(on_device(END))
     launched = cuda.launch(mesh, crumple.ImpactQuery())
@@ -411,28 +411,28 @@ def test_launches_on_a_stream_of_pytorch_read_what_it_has_written(cuda, cpu):
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
 
 
-def test_a_result_that_is_not_complete(cuda):
+def test_arrays_of_an_incomplete_result_are_refused(cuda):
     found = crumple.DeviceResult(cuda, (False, 5, 0, False, None), {}, crumple.Statistics)
     assert not found.complete and found.needed == 5 and "not complete" in repr(found)
-    with pytest.raises(crumple.InvalidInput, match="edge_edges: the result is not complete; a call outside"):
+    with pytest.raises(crumple.InvalidInput, match="edge_edges: the result is not complete; call launch outside"):
         found.edge_edges
 
 
-def test_wrong_launches(cuda):
+def test_invalid_launches_and_waits_are_refused(cuda):
     start, end, faces = map(on_device, (START, END, FACES))
     mesh = crumple.Mesh(start, faces)
     with pytest.raises(crumple.InvalidType, match="stream must be None, an address, or a stream"):
         cuda.launch(mesh, stream="0")
-    with pytest.raises(crumple.InvalidInput, match="launches take meshes in device memory"):
+    with pytest.raises(crumple.InvalidInput, match="launches need meshes in device memory"):
         cuda.launch((START, FACES), crumple.ProximityQuery(radius=1))
-    with pytest.raises(crumple.InvalidInput, match="launch is not for DistanceQuery"):
+    with pytest.raises(crumple.InvalidInput, match="launch does not support DistanceQuery"):
         cuda.launch(mesh, crumple.DistanceQuery())
     with pytest.raises(TypeError, match="Did you mean 'stream'"):
         cuda.launch(mesh, steam=None)
     moving = mesh.moving_to(end)
     launched = cuda.launch(moving, crumple.ImpactQuery(), stream=0)
     launched.wait()
-    with pytest.raises(crumple.InvalidInput, match="needs a launch before it"):
+    with pytest.raises(crumple.InvalidInput, match="has already been called for this launch"):
         launched.wait()
     broken = START.copy()
     broken[7, 1] = np.nan
@@ -445,12 +445,12 @@ def test_wrong_launches(cuda):
     with pytest.raises(crumple.InvalidInput, match="two launches are in flight"):
         cuda.launch(mesh)
     older.wait()
-    with pytest.raises(crumple.InvalidInput, match="another call has come after this launch"):
+    with pytest.raises(crumple.InvalidInput, match="another call of the detector came after this launch"):
         older.wait()
     newer.wait()
     launched = cuda.launch(mesh)
     cuda.intersections(mesh)
-    with pytest.raises(crumple.InvalidInput, match="another call has come after this launch"):
+    with pytest.raises(crumple.InvalidInput, match="another call of the detector came after this launch"):
         launched.wait()
 
 
@@ -479,7 +479,7 @@ def worlds_of(count, scalar):
         ("contacts", ["bodies", "pairs"]),
     ],
 )
-def test_poses_of_worlds(cuda, cpu, scalar, output, names):
+def test_worlds_with_device_poses_match_the_cpu(cuda, cpu, scalar, output, names):
     world, poses = worlds_of(5, scalar)
     query = crumple.IntersectionQuery(output=output)
     expected = cpu.find(world.at(poses), query)
@@ -493,7 +493,7 @@ def test_poses_of_worlds(cuda, cpu, scalar, output, names):
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
-def test_launches_of_worlds(cuda, cpu, scalar):
+def test_launches_of_worlds_match_the_cpu(cuda, cpu, scalar):
     world, poses = worlds_of(5, scalar)
     there = world.at(on_device(poses))
     for output, arrays in (
@@ -508,7 +508,7 @@ def test_launches_of_worlds(cuda, cpu, scalar):
             assert_shows(found, expected, arrays)
             assert found.any == expected.any
     assert isinstance(cuda.launch(there).wait(), crumple.DeviceResult)
-    with pytest.raises(crumple.InvalidInput, match="^launch takes worlds whose poses lie in device memory"):
+    with pytest.raises(crumple.InvalidInput, match="^launches of worlds need poses in device memory"):
         cuda.launch(world.at(poses))
 
 
@@ -528,7 +528,7 @@ def test_searches_read_poses_that_are_ready_on_the_default_stream(cuda):
         assert_each_was_ready_once(producers, 1)
 
 
-def test_each_search_has_the_poses_of_a_world_made_ready(cuda):
+def test_each_search_reads_the_poses_of_a_world_anew(cuda):
     """Each search makes the poses ready anew, because they may be written to between searches, on any stream."""
     world, poses = worlds_of(3, np.float64)
     world.poses = producer = Producer(poses)
@@ -553,7 +553,7 @@ def test_launches_of_worlds_read_poses_that_are_ready_on_their_stream(cuda, cpu,
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
-def test_other_queries_about_poses(cuda, cpu, scalar):
+def test_feature_queries_with_device_poses_match_the_cpu(cuda, cpu, scalar):
     world, poses = worlds_of(5, scalar)
     ends = poses.copy()
     ends[:, :, 3] += np.random.default_rng(8).uniform(-0.3, 0.3, (len(ends), 3))
@@ -569,14 +569,14 @@ def test_other_queries_about_poses(cuda, cpu, scalar):
     np.testing.assert_array_equal(found.edge_edges, candidates.edge_edges)
 
 
-def test_poses_that_are_refused(cuda, cpu):
+def test_invalid_device_poses_are_refused(cuda, cpu):
     world, poses = worlds_of(2, np.float64)
     there = on_device(poses)
     with pytest.raises(crumple.InvalidInput, match="lie in CUDA memory, which needs the cuda backend"):
         cpu.intersections(world.at(there))
-    with pytest.raises(crumple.InvalidInput, match="^poses lie in device memory or in host memory, not in both"):
+    with pytest.raises(crumple.InvalidInput, match="^poses must be in device memory or in host memory, not in both"):
         cuda.impacts(world.at(there, poses))
-    with pytest.raises(crumple.InvalidInput, match="^poses at the end lie in device memory, and those at the start do"):
+    with pytest.raises(crumple.InvalidInput, match="^poses at the start must be in device memory, like those"):
         cuda.impacts(world.at(None, there))
     four = np.tile(np.eye(4), (5, 1, 1))
     with pytest.raises(crumple.InvalidInput, match=r"^poses in CUDA memory must be \(n, 3, 4\)"):

@@ -31,7 +31,7 @@ PAGES = (
 SECTIONS = [section for page in PAGES for section in sections(page)]
 
 
-def test_their_program_stands_beside_ours():
+def test_comparison_tables_show_both_programs_side_by_side():
     """The program for another package is on the left, ours on the right, in one row of a table that GitHub can show."""
     text = (DOCS / "python_coming_from.md").read_text()
     row = r"<tr><td>\n\n```python\n(.*?)```\n\n</td><td>\n\n```python\n(.*?)```\n\n</td></tr>"
@@ -44,7 +44,7 @@ def test_their_program_stands_beside_ours():
         assert f"<th>{package}</th><th>crumple</th>" in text
 
 
-def test_there_are_programs():
+def test_main_sections_of_the_documentation_have_programs():
     headings = {heading for _, heading, _ in SECTIONS}
     assert headings >= {
         "Five minutes",
@@ -62,7 +62,7 @@ def test_there_are_programs():
 @pytest.mark.parametrize(
     "page, heading, programs", SECTIONS, ids=[f"{page}: {heading}" for page, heading, _ in SECTIONS]
 )
-def test_programs_of(page, heading, programs, tmp_path, monkeypatch):
+def test_programs_of_the_documentation_run(page, heading, programs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     start = next(programs for other, _, programs in SECTIONS if other == page)
     for package in re.findall(r"^import (\w+)", "\n".join([*start, *programs]), flags=re.M):
@@ -72,7 +72,7 @@ def test_programs_of(page, heading, programs, tmp_path, monkeypatch):
         exec(compile(program, f"{page}, {heading}", "exec"), names)
 
 
-def test_the_message_in_the_documentation_is_the_real_one(capsys, tmp_path, monkeypatch):
+def test_documented_error_message_is_the_real_one(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = {}
     promised = re.search(r"# (triangle \d+ names .*)", (DOCS / "python.md").read_text()).group(1)

@@ -65,7 +65,7 @@ def run(program, folder):
 
 
 @pytest.mark.parametrize("work", WORK)
-def test_daemon_threads_do_not_hinder_the_end(work, tmp_path):
+def test_interpreter_exits_cleanly_during_calls_of_daemon_threads(work, tmp_path):
     crumple.write_mesh(tmp_path / "mesh.ply", soup(200_000))
     program = f"""
         sys.kept = open("kept.txt", "w")  # never closed: it is flushed when the interpreter ends
@@ -82,7 +82,7 @@ def test_daemon_threads_do_not_hinder_the_end(work, tmp_path):
         assert not [name for name in os.listdir(tmp_path) if name.endswith(".tmp")]
 
 
-def test_a_file_that_is_being_written_is_finished(tmp_path):
+def test_exit_finishes_a_file_that_is_being_written(tmp_path):
     program = """
         several = crumple.Mesh(np.tile(many.vertices, (20, 1)), np.tile(many.faces, (20, 1)))
         threading.Thread(target=loop, args=(lambda: crumple.write_mesh("mesh.off", several),), daemon=True).start()
@@ -95,7 +95,7 @@ def test_a_file_that_is_being_written_is_finished(tmp_path):
     assert len(crumple.read_mesh(tmp_path / "mesh.off").faces) == triangles
 
 
-def test_what_never_ends_is_not_waited_for(tmp_path):
+def test_exit_does_not_wait_for_endless_calls(tmp_path):
     """Exit waits neither for a write to a pipe without a reader nor, in a forked child, for threads of the parent."""
     os.mkfifo(tmp_path / "pipe.off")
     run(
@@ -119,7 +119,7 @@ def test_what_never_ends_is_not_waited_for(tmp_path):
     assert run(program, tmp_path) == "0\n"
 
 
-def test_a_turn_that_never_ends_is_not_waited_for(tmp_path):
+def test_calls_during_exit_are_refused_if_the_detector_is_busy(tmp_path):
     program = """
         class Last:
             def __init__(self):

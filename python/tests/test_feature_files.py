@@ -27,7 +27,7 @@ RESULTS = {
 
 @pytest.mark.parametrize("extension", ["txt", "csv", "json", "npz"])
 @pytest.mark.parametrize("name", RESULTS)
-def test_what_went_through_pickle_is_saved_the_same(name, extension, detector, tmp_path):
+def test_unpickled_result_is_saved_the_same(name, extension, detector, tmp_path):
     result = RESULTS[name](detector)
     result.save(tmp_path / f"one.{extension}")
     pickle.loads(pickle.dumps(result)).save(str(tmp_path / f"other.{extension}"))
@@ -36,7 +36,7 @@ def test_what_went_through_pickle_is_saved_the_same(name, extension, detector, t
 
 
 @pytest.mark.parametrize("name", RESULTS)
-def test_arrays_come_back(name, detector, tmp_path):
+def test_npz_and_json_hold_the_arrays_of_the_result(name, detector, tmp_path):
     result = RESULTS[name](detector)
     result.save(tmp_path / "lists.npz")
     result.save(tmp_path / "lists.json")
@@ -48,7 +48,7 @@ def test_arrays_come_back(name, detector, tmp_path):
     assert text["statistics"]["pairs"] == len(result)
 
 
-def test_lines_of_text(detector, tmp_path):
+def test_text_has_one_line_for_each_pair(detector, tmp_path):
     expected = {"impacts": "vf 3 0 0.5 0\n", "impacts of a world": "vf 1:0 0:0 0.5 0\n"}
     for name, lines in expected.items():
         RESULTS[name](detector).save(tmp_path / "list.txt")
@@ -63,7 +63,7 @@ def test_lines_of_text(detector, tmp_path):
     assert len(lines) == 10 and lines[1] == "vf 3 0 1" and lines[4] == "ee 0 1 3 4 2"
 
 
-def test_files_hold_the_kinds_that_were_asked_for(detector, tmp_path):
+def test_files_hold_only_the_requested_kinds(detector, tmp_path):
     for result in (one := detector.candidates(START, FACES, end=END, kinds="face_face"), copy.deepcopy(one)):
         result.save(tmp_path / "list.npz")
         result.save(str(tmp_path / "list.CSV"))
@@ -73,19 +73,19 @@ def test_files_hold_the_kinds_that_were_asked_for(detector, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["impacts", "near"])
-def test_meshes_are_coloured(name, detector, tmp_path):
+def test_glb_is_saved_with_the_mesh_of_the_result_only(name, detector, tmp_path):
     result = RESULTS[name](detector)
     for mesh in ((START, FACES), crumple.Mesh(START.tolist(), FACES.ravel())):
         result.save(tmp_path / "mesh.glb", mesh)
         assert (tmp_path / "mesh.glb").read_bytes()[:4] == b"glTF"
-    with pytest.raises(crumple.InvalidInput, match="the answer names features that the mesh does not have"):
+    with pytest.raises(crumple.InvalidInput, match="the result refers to features that the mesh does not have"):
         result.save(tmp_path / "other.glb", (START[3:], FACES[:1]))
-    with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but are wanted in the host's"):
+    with pytest.raises(crumple.InvalidInput, match="vertices lie in CUDA memory, but must be in host memory"):
         result.save(tmp_path / "other.glb", (OnDevice(START), OnDevice(FACES)))
     assert [path.name for path in tmp_path.iterdir()] == ["mesh.glb"]
 
 
-def test_what_cannot_be_saved_is_refused(detector, tmp_path):
+def test_invalid_saves_are_refused_and_write_nothing(detector, tmp_path):
     candidates = RESULTS["candidates"](detector)
     for wrong in ("list.docx", "mesh.glb", "list"):
         with pytest.raises(crumple.InvalidInput, match=rf"{wrong}: candidates are saved as \.txt, \.csv, "):
@@ -99,7 +99,7 @@ def test_what_cannot_be_saved_is_refused(detector, tmp_path):
         result.save(tmp_path / "list.docx")
     with pytest.raises(crumple.InvalidType, match=r"a coloured mesh needs the mesh: save\(path, mesh\)"):
         result.save(tmp_path / "mesh.glb")
-    with pytest.raises(crumple.InvalidType, match=r"mesh is no option of \.csv files"):
+    with pytest.raises(crumple.InvalidType, match=r"mesh is not an option of \.csv files"):
         result.save(tmp_path / "list.csv", (START, FACES))
     with pytest.raises(crumple.InvalidInput, match="but the scene is a world"):
         RESULTS["near of a world"](detector).save(tmp_path / "mesh.glb", (START, FACES))

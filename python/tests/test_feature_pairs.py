@@ -30,7 +30,7 @@ def moved(mesh, dtype=np.float64):
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("question", [{}, {"min_distance": 0.02}, {"min_distance_share": 0.3}])
-def test_impacts_are_those_of_the_mesh(dtype, question, detector):
+def test_impacts_of_pairs_match_a_search_of_the_mesh(dtype, question, detector):
     mesh = soup(25, size=0.4, dtype=dtype)
     start, end = mesh.vertices, moved(mesh, dtype)
     expected = detector.impacts(start, end, mesh.faces, **question)
@@ -48,7 +48,7 @@ def test_impacts_are_those_of_the_mesh(dtype, question, detector):
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_distances_are_those_of_the_mesh(dtype, detector):
+def test_distances_of_pairs_match_a_search_of_the_mesh(dtype, detector):
     mesh = soup(25, size=0.4, dtype=dtype)
     expected = detector.proximities(mesh, radius=0.1, closest=True)
     assert len(expected)
@@ -69,7 +69,7 @@ def told(found):
     return tuple(array.tolist()[0] for array in found)
 
 
-def test_a_vertex_meets_an_edge():
+def test_vertex_edge_pairs_have_exact_impacts_and_distances():
     edge = [[1, -1, 0], [1, 1, 0]]
     start, end = np.array([[[0, 0, 0], *edge]]), np.array([[[2, 0, 0], *edge]])
     assert told(crumple.pair_impacts("vertex_edge", start, end)) == (True, 0.5, False)
@@ -80,7 +80,7 @@ def test_a_vertex_meets_an_edge():
     assert told(crumple.pair_distances("vertex_edge", start)) == (1, False, 2, [0.5, 0])
 
 
-def test_a_vertex_meets_a_vertex():
+def test_vertex_vertex_pairs_have_exact_impacts_and_distances():
     start, end = np.array([[[0, 0, 0], [3, 4, 0]]]), np.array([[[3, 4, 0], [3, 4, 0]]])
     assert told(crumple.pair_impacts("vertex_vertex", start, end)) == (True, 1, False)
     assert told(crumple.pair_impacts("vertex_vertex", start, end, min_distance_share=0.25)) == (True, 0.75, False)
@@ -88,7 +88,7 @@ def test_a_vertex_meets_a_vertex():
     assert told(crumple.pair_distances("vertex_vertex", start)) == (25, False, 0, [0, 0])
 
 
-def test_arrays_of_any_layout_are_taken():
+def test_arrays_of_any_layout_are_accepted():
     random = np.random.default_rng(1)
     start, end = random.random((2, 40, 4, 3)) - 0.5
     expected = crumple.pair_impacts("vertex_face", start, end)
@@ -102,7 +102,7 @@ def test_arrays_of_any_layout_are_taken():
 
 
 @pytest.mark.parametrize("kind, points", KINDS.items())
-def test_no_pairs_at_all(kind, points):
+def test_no_pairs_give_empty_arrays(kind, points):
     empty = np.empty((0, points, 3))
     impacts = functools.partial(crumple.pair_impacts, kind)(empty, [])
     assert [(len(a), a.dtype) for a in impacts] == [(0, bool), (0, float), (0, bool)]
@@ -143,7 +143,7 @@ def test_errors_name_the_argument_and_the_pair(kind, points):
         impacts(good, good, min_distence=1)
 
 
-def test_errors_name_the_kind():
+def test_unknown_kind_is_refused():
     points = np.zeros((1, 4, 3))
     with pytest.raises(crumple.InvalidInput, match="^kind must be one of vertex_face, edge_edge, .*, not 'face_face'$"):
         crumple.pair_impacts("face_face", points, points)

@@ -54,7 +54,7 @@ def assert_union(results, whole, more=()):
 
 
 @pytest.mark.parametrize("name", MOTION)
-def test_parts_have_the_impacts_of_the_whole(name, either):
+def test_parts_together_have_the_impacts_of_the_mesh(name, either):
     made, asked = MOTION[name]
     mesh = MESH._replace(groups=GROUPS)
     whole = either.impacts(mesh, MOVED, **made, **asked)
@@ -71,7 +71,7 @@ def test_parts_have_the_impacts_of_the_whole(name, either):
 
 
 @pytest.mark.parametrize("name", NEAR)
-def test_parts_have_the_near_pairs_of_the_whole(name, either):
+def test_parts_together_have_the_near_pairs_of_the_mesh(name, either):
     made, asked = NEAR[name]
     whole = either.proximities(MESH, **made, **asked)
     parts = either.partition(MESH, crumple.ProximityQuery(**made), count=5)
@@ -80,7 +80,7 @@ def test_parts_have_the_near_pairs_of_the_whole(name, either):
     assert_union(results, whole, CLOSEST if "closest" in asked else ())
 
 
-def test_rods_and_particles_have_parts(either):
+def test_parts_of_rods_and_particles_have_all_near_pairs(either):
     mesh = crumple.Mesh(HAIR, [], edges=SEGMENTS[::3], points=np.arange(39, -1, -1))
     query = crumple.ProximityQuery(radius=0.5)
     whole = either.find(mesh, query)
@@ -104,7 +104,7 @@ def test_parts_outlive_the_mesh_and_name_its_features(either):
     assert plain.vertex_ids is plain.edge_ids is plain.point_ids is None
 
 
-def test_a_result_of_a_part_says_what_it_does_not_know(either, tmp_path):
+def test_result_of_a_part_refuses_what_needs_the_whole_mesh(either, tmp_path):
     part = either.partition(MESH.moving_to(MOVED), crumple.ImpactQuery(), count=2)[0]
     result = either.impacts(part, index=True)
     for name in ("edges", "first_edge", "points", "first_point"):
@@ -112,7 +112,7 @@ def test_a_result_of_a_part_says_what_it_does_not_know(either, tmp_path):
             crumple.InvalidInput, match=f"^{name} is part of the result of a whole mesh, but the scene is a part"
         ):
             getattr(result, name)
-    with pytest.raises(crumple.InvalidInput, match="a result of a part is not saved"):
+    with pytest.raises(crumple.InvalidInput, match="a result of a part cannot be saved"):
         result.save(tmp_path / "part.txt")
     assert len(result.vertex_offsets) == len(part.vertex_ids) + 1
     for copied in (pickle.loads(pickle.dumps(result)), result):
@@ -120,17 +120,17 @@ def test_a_result_of_a_part_says_what_it_does_not_know(either, tmp_path):
         np.testing.assert_array_equal(copied.edge_offsets, result.edge_offsets)
 
 
-def test_a_part_refuses_other_queries(either):
+def test_part_refuses_queries_it_was_not_made_for(either):
     step = MESH.moving_to(MOVED)
     moving = either.partition(step, crumple.ImpactQuery(min_distance=0.1), count=2)[0]
     at_rest = either.partition(MESH, crumple.ProximityQuery(radius=0.1), count=2)[0]
     plain = either.partition(MESH, count=2)[0]
     for message, call in {
         "min_distance and min_distance_share must be at most": lambda: either.impacts(moving, min_distance=0.2),
-        "weld must be as the part was made": lambda: either.impacts(moving, weld=True),
-        "the part was made for a question about motion": lambda: either.proximities(moving, radius=0.1),
-        "the part was made for a question about nearness": lambda: either.impacts(at_rest),
-        "radius must be at most that which": lambda: either.proximities(at_rest, radius=0.2),
+        "weld must be as in the query that the part was made for": lambda: either.impacts(moving, weld=True),
+        "the part was made for a query about motion": lambda: either.proximities(moving, radius=0.1),
+        "the part was made for a query about nearness": lambda: either.impacts(at_rest),
+        "radius must be at most that of the query": lambda: either.proximities(at_rest, radius=0.2),
         "the part was not made for a query about features": lambda: either.proximities(plain, radius=0.2),
         "the part was made for a query about features": lambda: either.find(moving),
         "the number of parts must be 1 to 262144": lambda: either.partition(step, crumple.ImpactQuery(), count=0),
@@ -144,7 +144,7 @@ def test_a_part_refuses_other_queries(either):
             either.proximities(at_rest, **of_the_mesh)
 
 
-def test_a_state_that_does_not_fit_is_refused():
+def test_inconsistent_pickled_part_is_refused():
     part = crumple.Detector(backend="reference").partition(MESH, crumple.ProximityQuery(radius=0.1), count=2)[0]
     state = list(part.__getstate__())
     for name, value in (("owned", state[5]["owned"].astype(np.int64)), ("edges_of", state[5]["owned"]), ("faces", "3")):
@@ -156,5 +156,5 @@ def test_a_state_that_does_not_fit_is_refused():
     broken = {**state[5], "owned": state[5]["owned"][1:].copy()}
     bad = crumple.Part.__new__(crumple.Part)
     bad.__setstate__((*state[:5], broken))
-    with pytest.raises(crumple.InvalidInput, match="what it owns"):
+    with pytest.raises(crumple.InvalidInput, match="owned and edges_of must have an entry"):
         crumple.Detector(backend="reference").proximities(bad, radius=0.1)

@@ -49,7 +49,7 @@ def arrays_of(result):
 
 
 @pytest.mark.parametrize("name", RESULTS)
-def test_a_result_comes_back_whole(name, either):
+def test_copied_or_pickled_result_is_equal_to_the_original(name, either):
     find = RESULTS[name]
     outputs = OUTPUTS[type(find(either)).__name__]
     queries = [{"output": output} for output in outputs] + [{"copy": True}]
@@ -70,14 +70,14 @@ def test_a_result_comes_back_whole(name, either):
     assert name.startswith("no ") or find(either)
 
 
-def test_copies_share_or_do_not(detector):
+def test_shallow_copies_share_memory_and_deep_copies_do_not(detector):
     result = detector.impacts(MESH, MOVED)
     same, other = copy.copy(result), copy.deepcopy(result)
     assert np.shares_memory(same.vertex_faces, result.vertex_faces)
     assert not np.shares_memory(other.vertex_faces, result.vertex_faces)
 
 
-def test_another_process_finds_the_same(detector, tmp_path):
+def test_pickled_world_gives_the_same_result_in_another_process(detector, tmp_path):
     (tmp_path / "result").write_bytes(pickle.dumps((detector.impacts(WORLD), WORLD)))
     code = (
         "import crumple, pickle; result, world = pickle.load(open('result', 'rb'))\n"
@@ -134,27 +134,27 @@ def test_another_process_finds_the_same(detector, tmp_path):
         ("pairs of a mesh", "edge_edge_type", lambda a: np.full(2, 9, np.uint8), "edge_edge_type"),
     ],
 )
-def test_what_does_not_fit_together_is_refused(name, field, value, message, detector):
+def test_inconsistent_pickled_state_is_refused(name, field, value, message, detector):
     result = RESULTS[name](detector, **({} if "world" in name else {"index": True}))
     assert arrays_of(restored(result)) == arrays_of(result)
     with pytest.raises(crumple.InvalidInput, match=message):
         restored(result, **{field: value})
 
 
-def test_a_result_of_a_world_is_none_of_a_mesh(detector):
+def test_pickled_result_of_a_world_cannot_become_one_of_a_mesh(detector):
     result, of_mesh = detector.impacts(WORLD), {"scene": lambda _: "mesh", "of_bodies": lambda _: False}
-    with pytest.raises(crumple.InvalidInput, match="the state of Impacts does not fit together: first_edge"):
+    with pytest.raises(crumple.InvalidInput, match="the state of Impacts is inconsistent: first_edge"):
         restored(result, **of_mesh)
 
 
-def test_a_state_of_another_form_is_refused(detector):
+def test_pickled_state_of_another_form_is_refused(detector):
     restore, (kind, asked, state) = detector.impacts(MESH, MOVED).__reduce__()
     for wrong in (("Result", asked, state), (kind, asked, {}), (kind, asked, None), (kind, asked, state, WORLD)):
         with pytest.raises(crumple.InvalidType, match="the state of Impacts|a result must be one of"):
             restore(*wrong)
 
 
-def test_a_first_that_cannot_be_is_refused(detector):
+def test_pickled_state_with_impossible_first_impact_is_refused(detector):
     result = detector.impacts(START, END, FACES, output="first")
     assert restored(result).first.toi == 0.5
     for first in (
@@ -166,12 +166,12 @@ def test_a_first_that_cannot_be_is_refused(detector):
         ("vertex_face", (3, 0), (0, 0), 1.5, False),
         ("vertex_face", (3, 0), (0, 0), 0.5, 0),
     ):
-        with pytest.raises(crumple.InvalidInput, match="does not fit together: .*first"):
+        with pytest.raises(crumple.InvalidInput, match="is inconsistent: .*first"):
             restored(result, first=lambda _, first=first: first)
 
 
 @pytest.mark.parametrize("name", ["impacts of a world", "pairs of a mesh"])
-def test_a_result_outlives_everything(name, detector):
+def test_arrays_outlive_result_and_detector(name, detector):
     result = RESULTS[name](detector)
     arrays = [getattr(result, field) for field in LISTS[type(result).__name__]]
     before = [array.copy() for array in arrays]
@@ -187,7 +187,7 @@ def test_a_result_outlives_everything(name, detector):
 
 
 @pytest.mark.parametrize("name", ["impacts of a mesh", "pairs of a mesh"])
-def test_frames_use_memory_again(name, detector):
+def test_repeated_searches_reuse_memory(name, detector):
     """Results alternate between at most three arrays: those of two results, and one that the search swaps with them."""
     places = {RESULTS[name](detector).edge_edges.ctypes.data for _ in range(12)}
     assert len(places) <= 3
@@ -195,7 +195,7 @@ def test_frames_use_memory_again(name, detector):
     assert len({pairs.ctypes.data for pairs in held}) == 4
 
 
-def test_copies_may_be_written_to(detector):
+def test_copied_results_can_be_written_to(detector):
     for result in (detector.impacts(MESH, MOVED, copy=True), detector.proximities(MESH, radius=0.2, copy=True)):
         result.edge_edges[:] = 0
         assert not result.edge_edges.any() and result._found.edge_edges.any()
@@ -212,7 +212,7 @@ def test_results_of_one_detector_do_not_disturb_each_other(detector):
     assert (arrays_of(impacts), arrays_of(near)) == expected and result.pairs.tolist() == pairs
 
 
-def test_a_memory_limit_holds(detector):
+def test_sufficient_memory_limit_gives_the_same_result(detector):
     mesh = soup(300, size=0.5, dtype=np.float64)
     for find in (lambda d: d.impacts(mesh, mesh.vertices + 0.01), lambda d: d.proximities(mesh, radius=0.05)):
         expected = find(detector)
@@ -221,13 +221,13 @@ def test_a_memory_limit_holds(detector):
             np.testing.assert_array_equal(find(enough).edge_edges, expected.edge_edges)
 
 
-def test_results_and_their_storage_are_not_made_in_python():
+def test_results_cannot_be_constructed_in_python():
     for make in (crumple.Impacts, crumple.Proximities, crumple._core.Impacts, crumple._core.Proximities):
         with pytest.raises(TypeError):
             make()
 
 
-def test_shapes_and_poses_at_the_end_come_back():
+def test_copied_worlds_keep_end_vertices_and_end_poses():
     world = crumple.World(
         [crumple.Shape(MESH, end=MOVED, name="falls")], [0], poses=POSES[:1], end_poses=POSES[1:2], self_collisions=True
     )
@@ -263,7 +263,7 @@ def test_shapes_and_poses_at_the_end_come_back():
         ),
         (
             lambda: crumple.World([MESH], [crumple.Body(0, self_collisions=True)], end_poses=POSES[:1]),
-            "are those of each crumple.Body",
+            "must be given in each crumple.Body",
         ),
         (
             lambda: crumple.World([MESH], [crumple.Body(0, end_pose=np.eye(3), self_collisions=True)]),
@@ -275,12 +275,12 @@ def test_shapes_and_poses_at_the_end_come_back():
         ),
     ],
 )
-def test_a_wrong_end_is_refused(make, message):
+def test_invalid_end_vertices_and_end_poses_are_refused(make, message):
     with pytest.raises(crumple.InvalidInput, match=message):
         make()
 
 
-def test_a_search_names_the_body_that_goes_wrong(detector):
+def test_error_names_the_body_with_an_invalid_end(detector):
     ends = np.tile(np.eye(4), (2, 1, 1))
     world = crumple.World([MESH], [0, 0], names=["arm", "hand"], end_poses=ends, self_collisions=True)
     ends[1, 3, 0] = 2

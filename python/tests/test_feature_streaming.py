@@ -55,7 +55,7 @@ def in_order(found):
 @pytest.mark.parametrize("search", SEARCHES)
 @pytest.mark.parametrize("backend", ["cpu", "reference"])
 @pytest.mark.parametrize("size", [1, 7, 100000])
-def test_blocks_are_the_whole_answer(search, backend, size):
+def test_blocks_together_are_the_whole_result(search, backend, size):
     detector = crumple.Detector(backend=backend, threads=2)
     scene, query = SEARCHES[search]
     whole = detector.find(scene, query)
@@ -72,7 +72,7 @@ def test_blocks_are_the_whole_answer(search, backend, size):
             np.testing.assert_array_equal(getattr(block, name), getattr(whole, name))
 
 
-def test_blocks_of_rods_and_particles(detector):
+def test_blocks_of_rods_and_particles_are_the_whole_result(detector):
     edges, points = np.arange(180).reshape(-1, 2), np.arange(170, 270)
     scene, query = crumple.Mesh(*MESH, edges=edges, points=points), crumple.ProximityQuery(radius=0.05)
     whole = detector.find(scene, query)
@@ -83,7 +83,7 @@ def test_blocks_of_rods_and_particles(detector):
     assert all(np.array_equal(block.edges, edges) and np.array_equal(block.points, points) for block in blocks)
 
 
-def test_blocks_of_worlds(detector):
+def test_blocks_of_worlds_are_the_whole_result(detector):
     shape = crumple.Shape(MESH.vertices, MESH.faces, end=END)
     world = crumple.World([shape], [crumple.Body(0, world=number, self_collisions=True) for number in (0, 0, 1, -1)])
     between = crumple.PairFilter(bodies="between")
@@ -102,7 +102,7 @@ def test_blocks_of_worlds(detector):
         assert all(np.array_equal(block.first_edge, whole.first_edge) for block in blocks)
 
 
-def test_a_block_outlives_all_and_can_be_pickled_and_saved(tmp_path):
+def test_block_can_be_kept_pickled_and_saved(tmp_path):
     detector = crumple.Detector(threads=2)
     for scene, query in SEARCHES.values():
         blocks = gathered(detector, scene, query, 20)
@@ -114,7 +114,7 @@ def test_a_block_outlives_all_and_can_be_pickled_and_saved(tmp_path):
         assert len((tmp_path / "block.txt").read_text().splitlines()) == 20
 
 
-def test_a_block_tells_what_it_has_not(detector):
+def test_block_refuses_what_only_a_whole_result_has(detector):
     impacts = gathered(detector, STEP, crumple.ImpactQuery(), 50)[0]
     near = gathered(detector, MESH, crumple.ProximityQuery(radius=0.02), 50)[0]
     for answer, names in ((impacts, ("first", "world_first", "world_hit")), (near, ("world_hit",))):
@@ -128,14 +128,14 @@ def test_a_block_tells_what_it_has_not(detector):
 
 
 @pytest.mark.parametrize("search", SEARCHES)
-def test_what_take_raises_ends_the_call(search):
+def test_exception_raised_by_the_consumer_ends_the_call(search):
     detector = crumple.Detector(threads=2)
     scene, query = SEARCHES[search]
     seen = []
 
     def refuse(block):
         seen.append(block)
-        with pytest.raises(crumple.InvalidInput, match="can call the detector whose call goes on"):
+        with pytest.raises(crumple.InvalidInput, match="can call a detector while another call of it is in progress"):
             detector.intersections(MESH)
         raise KeyError("full")
 
@@ -146,7 +146,7 @@ def test_what_take_raises_ends_the_call(search):
 
 
 @pytest.mark.parametrize("search", SEARCHES)
-def test_wrong_arguments_are_named(search, detector):
+def test_error_names_the_wrong_argument(search, detector):
     scene, query = SEARCHES[search]
     with pytest.raises(crumple.InvalidType, match="take must be callable with a block, not Mesh"):
         detector.stream(scene, query, MESH)
@@ -157,17 +157,17 @@ def test_wrong_arguments_are_named(search, detector):
         detector.stream(wrong, query, print)
 
 
-def test_blocks_have_no_more_than_rows(detector):
+def test_queries_that_cannot_be_streamed_are_refused(detector):
     for query in (crumple.ImpactQuery(index=True), crumple.ProximityQuery(radius=1, least=True)):
         with pytest.raises(crumple.InvalidInput):
             detector.stream(STEP, query, print)
     with pytest.raises(crumple.InvalidType, match="a ProximityQuery needs a radius"):
         detector.stream(MESH, crumple.ProximityQuery(), print)
-    with pytest.raises(crumple.InvalidInput, match="stream is not for DistanceQuery: docs/supported.md has the table"):
+    with pytest.raises(crumple.InvalidInput, match="stream does not support DistanceQuery: see docs/supported.md"):
         detector.stream([MESH, MESH], crumple.DistanceQuery(), print)
 
 
-def test_a_memory_limit_that_the_answer_exceeds():
+def test_result_larger_than_the_memory_limit_can_be_streamed():
     mesh = soup(1500, 0.6)
     count = len(crumple.candidates(mesh))
     detector = crumple.Detector(memory_limit=4_000_000)

@@ -9,7 +9,7 @@ import crumple
 from features import END, FACES, START, falling_world, moving
 
 
-def test_a_free_step_is_free_as_it_is_rounded(either):
+def test_rounded_positions_of_a_free_step_have_no_impact(either):
     """The rounded positions are reached without an impact; vertices + toi * (end - vertices) might not be."""
     for dtype in (np.float32, np.float64):
         for seed in range(3):
@@ -43,7 +43,7 @@ def beside(offset, count=6):
     return start, end, np.concatenate([FACES, FACES + count])
 
 
-def test_only_vertices_that_touch_are_held(either):
+def test_only_vertices_of_an_impact_are_held_back(either):
     start, end, faces = beside(5)
     whole = either.free_step(start, end, faces)
     assert whole.vertex_shares is None and whole.share < 0.5
@@ -56,7 +56,7 @@ def test_only_vertices_that_touch_are_held(either):
     assert copy.first == step.first and copy.positions.tolist() == step.positions.tolist()
 
 
-def test_bodies_and_worlds_are_held(either):
+def test_colliding_bodies_of_a_world_are_held_back(either):
     world = falling_world()
     step = either.free_step(world)
     assert step.first == ("vertex_face", (0, 0), (1, 0), 0.5, False)
@@ -70,7 +70,7 @@ def test_bodies_and_worlds_are_held(either):
     assert two.share == step.share and two.first == step.first
 
 
-def test_triangles_that_intersect_are_named(either):
+def test_intersecting_triangles_are_reported_on_request(either):
     start = START.copy()
     start[3, 2] = -1
     step = either.free_step(start, END, FACES, triangle_pairs=True)
@@ -78,7 +78,7 @@ def test_triangles_that_intersect_are_named(either):
     assert either.free_step(start, END, FACES).intersecting is None
 
 
-def test_what_moves_apart_is_free_on_request(either):
+def test_approaching_only_ignores_motion_apart(either):
     """The vertex starts at a height of 1, nearer than the minimum distance, and moves up."""
     up = START + [0, 0, 1] * np.arange(6)[:, None].clip(2, 3).astype(float) - [0, 0, 2]
     up[:3] = START[:3]
@@ -93,6 +93,6 @@ def test_what_moves_apart_is_free_on_request(either):
     assert down.hit.tolist() == [True] and apart.hit.tolist() == [False]
 
 
-def test_what_is_held_has_a_name(either):
+def test_unknown_value_of_held_is_refused(either):
     with pytest.raises(crumple.InvalidInput, match='held must be one of "worlds", "bodies", "vertices"'):
         either.free_step(START, END, FACES, held="edges")

@@ -41,7 +41,7 @@ LAYOUTS = {
 @pytest.mark.parametrize(
     "index", ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "longlong"]
 )
-def test_every_layout_and_type(layout, scalar, index, detector):
+def test_arrays_of_every_layout_and_type_give_the_same_pairs(layout, scalar, index, detector):
     few = 40  # the vertex indices of so many triangles fit in int8
     vertices, faces = LAYOUTS[layout](MESH.vertices.astype(scalar)), LAYOUTS[layout](MESH.faces[:few].astype(index))
     expected = [pair for pair in EXPECTED if max(pair) < few]
@@ -85,7 +85,7 @@ def test_flat_faces_that_look_like_cells_can_be_given_as_rows(detector):
     assert not detector.intersections(MESH.vertices[:4], tetrahedron[::-1].ravel())
 
 
-def test_the_layouts_are_what_they_are_called():
+def test_tested_layouts_have_the_strides_of_their_names():
     packed = LAYOUTS["packed records"](MESH.vertices)
     assert packed.strides[0] % packed.itemsize != 0
     assert LAYOUTS["backwards"](MESH.vertices).strides[0] < 0
@@ -187,7 +187,7 @@ WRONG = [
         "huge numbers",
         V,
         [[0, 1, 10**30]],
-        r"^faces must be .*, but element \(0, 2\) is 10{30}, which no integer of 64 bits",
+        r"^faces must be .*, but element \(0, 2\) is 10{30}, which does not fit in 64 bits",
     ),
     ("NaN", bad_vertices(17, 2, np.nan), F, r"^vertex 17 is not finite$"),
     ("infinity", bad_vertices(3, 0, -np.inf), F, r"^vertex 3 is not finite$"),
@@ -207,7 +207,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize("vertices, faces, message", [w[1:] for w in WRONG], ids=[w[0] for w in WRONG])
-def test_what_is_wrong_is_named(vertices, faces, message, detector):
+def test_error_names_the_wrong_array_and_element(vertices, faces, message, detector):
     calls = [
         (lambda: detector.intersections(crumple.Mesh(vertices, faces)), ""),
         (lambda: detector.any(crumple.Mesh(vertices, faces)), ""),
@@ -257,7 +257,7 @@ class GivesMasked:
         return self.array
 
 
-def test_masks_are_looked_for_in_rows_and_meshes(detector):
+def test_masked_rows_and_meshes_are_refused(detector):
     row = np.ma.array([0, 1, 2], mask=[0, 1, 0])
     with pytest.raises(crumple.InvalidInput, match=r"^faces: a row is masked at \(1,\): "):
         detector.intersections(MESH.vertices, [row, [0, 1, 2]])
@@ -269,13 +269,13 @@ def test_masks_are_looked_for_in_rows_and_meshes(detector):
         crumple.write_mesh("mesh.ply", MESH._replace(vertices=masked))
 
 
-def test_other_kinds_of_numpy_arrays_are_read_in_place(tmp_path, detector):
+def test_memory_maps_and_record_arrays_are_accepted(tmp_path, detector):
     mapped = np.memmap(tmp_path / "vertices", np.float32, "w+", shape=MESH.vertices.shape)
     mapped[...] = MESH.vertices
     assert detector.intersections(mapped, MESH.faces.view(np.recarray)).pairs.tolist() == EXPECTED
 
 
-def test_an_error_knows_the_place(detector):
+def test_error_has_the_kind_and_index_of_the_element(detector):
     import pickle
 
     with pytest.raises(crumple.InvalidInput) as caught:
@@ -288,7 +288,7 @@ def test_an_error_knows_the_place(detector):
     assert (str(copy), copy.index) == ("vertex 17 is not finite", 17)
 
 
-def test_device_arrays_are_told_what_to_do(detector):
+def test_device_arrays_need_the_cuda_backend(detector):
     if detector.backend == "cuda":
         pytest.skip("this detector takes them")
     mesh = OnDevice(MESH.vertices), OnDevice(MESH.faces)
@@ -298,7 +298,7 @@ def test_device_arrays_are_told_what_to_do(detector):
         detector.intersections((MESH.vertices, MESH.faces), mesh)
 
 
-def test_a_mesh_lies_in_one_place(detector):
+def test_arrays_of_a_mesh_must_be_in_the_same_memory(detector):
     with pytest.raises(
         crumple.InvalidInput, match="faces lie in host memory, but vertices in the memory of CUDA device 0"
     ):
@@ -311,13 +311,13 @@ def test_a_mesh_lies_in_one_place(detector):
         detector.intersections(*MESH[:2], groups=OnDevice(np.zeros(len(MESH.faces), np.int32)))
 
 
-def test_nothing_is_converted_on_a_device(detector):
+def test_device_arrays_of_unsupported_types_are_refused(detector):
     faces = OnDevice(MESH.faces)
     with pytest.raises(crumple.InvalidInput, match=r"vertices in CUDA memory must be \(n, 3\) of float32 or float64"):
         detector.intersections(OnDevice(MESH.vertices.astype(np.float16)), faces)
     with pytest.raises(crumple.InvalidInput, match=r"faces in CUDA memory must be \(m, 3\) or \(3m\) of int32, uint32"):
         detector.intersections(OnDevice(MESH.vertices), OnDevice(MESH.faces.astype(np.int16)))
-    with pytest.raises(crumple.InvalidInput, match="excluded_groups lie in CUDA memory, but are wanted in the host's"):
+    with pytest.raises(crumple.InvalidInput, match="excluded_groups lie in CUDA memory, but must be in host memory"):
         detector.intersections(MESH, filter=crumple.PairFilter(excluded_groups=OnDevice(np.zeros((1, 2), np.int32))))
 
 
@@ -357,7 +357,7 @@ def test_arrays_in_cuda_memory_are_made_ready_on_a_stream(detector, kind):
 
 
 @pytest.mark.parametrize(("kind", "stream"), [(1, {}), (2, {"stream": 1})])
-def test_read_only_arrays_are_requested_once_more_by_version(detector, kind, stream):
+def test_read_only_arrays_are_requested_again_with_a_version(detector, kind, stream):
     vertices = Producer(MESH.vertices, kind, [BufferError("read-only")])
     faces = MESH.faces if kind == 1 else Producer(MESH.faces.astype(np.int16))
     if kind == 1:
@@ -395,25 +395,25 @@ def test_errors_of_arrays_in_cuda_memory_name_the_argument(detector, errors, tol
 
 
 @pytest.mark.parametrize("error", [MemoryError, KeyboardInterrupt])
-def test_what_is_no_fault_of_an_array_in_cuda_memory_passes_through(detector, error):
+def test_memory_errors_and_interrupts_of_dlpack_propagate(detector, error):
     with pytest.raises(error):
         detector.intersections(Producer(MESH.vertices, errors=[error]), OnDevice(MESH.faces))
 
 
-def test_cuda_memory_without_a_place_is_refused(detector):
+def test_cuda_arrays_without_a_dlpack_device_are_refused(detector):
     silent = Unannounced(MESH.vertices)
     with pytest.raises(crumple.InvalidInput, match="^vertices lie in CUDA memory, but have no __dlpack_device__ that"):
         detector.intersections(silent, MESH.faces)
     assert silent.calls == [{}]
 
 
-def test_host_memory_needs_no_place(detector):
+def test_host_arrays_need_no_dlpack_device(detector):
     silent = Unannounced(MESH.vertices)
     silent.place = (1, 0)
     assert detector.intersections(silent, MESH.faces).pairs.tolist() == EXPECTED
 
 
-def test_a_device_of_another_kind_is_named(detector):
+def test_error_names_an_unsupported_kind_of_device(detector):
     with pytest.raises(crumple.InvalidInput, match="vertices lie in Metal memory.*copy them to the host"):
         detector.intersections(OnDevice(MESH.vertices, kind=8), MESH.faces)
 
@@ -425,7 +425,7 @@ class Enumerator:
         self.value = value
 
 
-def test_a_device_may_be_an_enumerator(detector):
+def test_dlpack_device_can_be_an_enumerator(detector):
     narrow = MESH.faces.astype(np.int16)
     for kind, memory in (Enumerator(2), "CUDA"), (Enumerator(8), "Metal"):
         with pytest.raises(crumple.InvalidInput, match=f"faces (lie )?in {memory} memory"):
@@ -434,8 +434,8 @@ def test_a_device_may_be_an_enumerator(detector):
 
 
 @pytest.mark.parametrize("place", [None, (), ("cpu", 0), (Enumerator(None), 0), ZeroDivisionError])
-def test_a_device_that_makes_no_sense_is_refused(place, detector):
-    with pytest.raises(crumple.InvalidType, match="^faces do not tell where they lie, by __dlpack_device__: "):
+def test_malformed_dlpack_device_is_refused(place, detector):
+    with pytest.raises(crumple.InvalidType, match="^faces cannot be read: __dlpack_device__ failed: "):
         detector.intersections(MESH.vertices, OnlyPlace(MESH.faces, place))
 
 
@@ -454,7 +454,7 @@ class OnlyPlace:
         return self.array
 
 
-def test_tensors_of_open3d(detector):
+def test_tensors_of_open3d_are_accepted(detector):
     core = peer("open3d").core
     for index in (np.int16, np.int32, np.uint8):
         faces = MESH.faces[:40].astype(index)
@@ -465,7 +465,7 @@ def test_tensors_of_open3d(detector):
 
 
 @pytest.mark.parametrize("package", ["torch", "jax", "warp"])
-def test_arrays_of_other_packages(package, detector):
+def test_arrays_of_torch_jax_and_warp_are_accepted(package, detector):
     module = peer("jax.numpy" if package == "jax" else package)
     if package == "torch":
         arrays = module.from_numpy(MESH.vertices.copy()), module.from_numpy(MESH.faces.copy())

@@ -15,7 +15,7 @@ def run(program, **environment):
     return process.stdout.split()
 
 
-def test_under_a_memory_limit_a_dropped_result_is_freed():
+def test_dropped_result_is_freed_under_a_memory_limit():
     """Without a limit, the detector keeps the memory of a dropped result for its next call."""
     program = """
         import numpy as np, crumple
@@ -36,7 +36,7 @@ def test_under_a_memory_limit_a_dropped_result_is_freed():
     assert kept < 0.1 and freed > 0.9
 
 
-def test_a_machine_without_memory_is_a_memory_error():
+def test_exhausted_memory_raises_a_memory_error():
     program = """
         import resource, crumple
         few, many = (crumple.make_scene("soup", triangles=n) for n in (10, 400_000))
@@ -58,7 +58,7 @@ def test_a_machine_without_memory_is_a_memory_error():
     assert run(program) == [*sentence.split(), *sentence.split(), "True"]
 
 
-def test_arrays_that_find_no_memory_say_so(detector):
+def test_memory_error_of_an_array_names_the_argument(detector):
     class Raising:
         def __init__(self, *sentence):
             self.error = MemoryError(*sentence)

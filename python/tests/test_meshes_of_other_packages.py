@@ -38,7 +38,7 @@ BRIDGES = [trimesh_mesh, meshio_mesh, open3d_mesh, open3d_tensor_mesh, pyvista_m
 
 
 @pytest.mark.parametrize("make", BRIDGES)
-def test_one_line_for_other_packages(make, detector):
+def test_meshes_of_other_packages_give_the_same_pairs(make, detector):
     mesh = make()
     assert detector.intersections(mesh).pairs.tolist() == EXPECTED
     assert crumple.intersections(mesh).pairs.tolist() == EXPECTED
@@ -94,13 +94,13 @@ def test_meshio_cells_keep_their_order():
 
 
 @pytest.mark.parametrize("name", ["UnstructuredGrid", "ImageData", "RectilinearGrid", "MultiBlock"])
-def test_what_is_no_surface_is_named(name):
+def test_pyvista_data_other_than_surfaces_is_refused(name):
     mesh = getattr(peer("pyvista"), name)()
     with pytest.raises(crumple.InvalidType, match=rf"must be PolyData, not pyvista\..*{name}: call .extract_surface"):
         crumple.as_mesh(mesh)
 
 
-def test_empty_meshes_of_other_packages(detector):
+def test_empty_meshes_of_other_packages_have_no_collisions(detector):
     empty = [peer("trimesh").Trimesh(), peer("meshio").Mesh(np.zeros((0, 3)), [])]
     for package, makers in {
         "open3d": [lambda o3d: o3d.geometry.TriangleMesh(), lambda o3d: o3d.t.geometry.TriangleMesh()],
@@ -126,7 +126,7 @@ def test_pyvista_polygons_are_refused():
     assert len(crumple.intersections(sphere).pairs) == 0
 
 
-def test_tuples_and_meshes():
+def test_tuples_and_meshes_are_accepted_and_others_refused():
     assert crumple.as_mesh(MESH) is MESH
     assert crumple.as_mesh((MESH.vertices, MESH.faces)).groups is None
     vertices, faces, groups = crumple.Mesh(1, 2, 3)

@@ -40,7 +40,7 @@ NEEDED = {"proximities": {"radius": 0.1}}
 
 
 @pytest.mark.parametrize("name", [*CALLS, "find", "any", "stream", "launch", "partition", "supports"])
-def test_methods_tell_what_they_are(name, detector):
+def test_methods_have_names_signatures_and_documentation(name, detector):
     for method in (getattr(crumple.Detector, name), getattr(detector, name)):
         assert method.__name__ == name and method.__qualname__ == f"Detector.{name}"
         assert method.__module__ == crumple.Detector.__module__ and name in repr(method)
@@ -55,7 +55,7 @@ def test_methods_tell_what_they_are(name, detector):
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_declared_defaults_are_the_defaults(name, detector):
+def test_defaults_in_the_signature_are_the_real_ones(name, detector):
     method = getattr(detector, name)
     defaults = {
         parameter.name: parameter.default
@@ -81,7 +81,7 @@ def scene_of(name):
     return MESH.moving_to(END) if END is CALLS[name][-1] else MESH
 
 
-def test_arguments_by_name_and_by_place(detector):
+def test_arguments_can_be_positional_or_named(detector):
     vertices, faces, _ = MESH
     names = dict(zip(("".join(["verti", "ces"]), "".join(["fa", "ces"])), (vertices, faces)))  # not interned str
     for answer in (
@@ -113,7 +113,7 @@ def test_arguments_by_name_and_by_place(detector):
         ((MESH,), {"vertices": MESH}, "multiple values for argument 'vertices'"),
     ],
 )
-def test_calls_that_are_not_declared_are_refused_as_python_refuses_them(arguments, named, message, detector):
+def test_wrong_arguments_raise_the_type_errors_of_python(arguments, named, message, detector):
     with pytest.raises(TypeError, match=message) as caught:
         detector.intersections(*arguments, **named)
     assert not isinstance(caught.value, crumple.Error)
@@ -131,13 +131,13 @@ def test_calls_that_are_not_declared_are_refused_as_python_refuses_them(argument
         (lambda: crumple.make_scene("cloth", triangle=9), "'triangle'. Did you mean 'triangles'?"),
     ],
 )
-def test_names_that_are_close_are_suggested(call, message):
+def test_error_suggests_a_similar_argument_name(call, message):
     with pytest.raises(TypeError, match=f"got an unexpected keyword argument {re.escape(message)}$") as caught:
         call()
     assert not isinstance(caught.value, crumple.Error)
 
 
-def test_errors_within_a_call_stay_what_they_are():
+def test_errors_within_a_call_are_not_replaced():
     class Failing:
         def __index__(self):
             raise ZeroDivisionError
@@ -149,7 +149,7 @@ def test_errors_within_a_call_stay_what_they_are():
     assert list(inspect.signature(crumple.make_scene).parameters) == ["name", "triangles", "frame", "seed"]
 
 
-def test_self_must_be_a_detector_that_was_made(detector):
+def test_self_must_be_an_initialised_detector(detector):
     for call in (
         lambda: crumple._core.Detector.__init__(3, detector.options),
         lambda: crumple._core.Detector.cancel(3),
@@ -176,7 +176,7 @@ def test_self_must_be_a_detector_that_was_made(detector):
     assert unmade.intersections(MESH).pairs.tolist() == EXPECTED and unmade.options["threads"] == 2
 
 
-def test_a_detector_is_made_once(detector):
+def test_detector_is_initialised_only_once(detector):
     with pytest.raises(crumple.InvalidInput, match=r"^crumple\.Detector\.__init__ has been called already$"):
         detector.__init__(threads=1)
     assert detector.options["threads"] == 2 and detector.intersections(MESH).pairs.tolist() == EXPECTED
@@ -194,14 +194,14 @@ def test_a_detector_is_made_once(detector):
     assert nested.options["threads"] == 1 and nested.intersections(MESH).pairs.tolist() == EXPECTED
 
 
-def test_options_are_those_of_the_signature(detector):
+def test_detector_options_match_its_signature(detector):
     declared = inspect.signature(crumple.Detector).parameters.values()
     defaults = {parameter.name: parameter.default for parameter in declared}
     assert crumple.Detector().options == defaults and detector.options == {**defaults, "threads": 2}
     assert eval(repr(detector)).options == detector.options
 
 
-def test_of_many_threads_one_makes_a_detector():
+def test_only_one_of_several_threads_initialises_a_detector():
     for _ in range(20):
         raw, start = crumple.Detector.__new__(crumple.Detector), threading.Barrier(4)
 
@@ -220,7 +220,7 @@ def test_of_many_threads_one_makes_a_detector():
         assert raw.intersections(MESH).statistics.threads == min(made[0], len(os.sched_getaffinity(0)))
 
 
-def test_detectors_can_be_derived_from():
+def test_detector_can_be_subclassed():
     class Counting(crumple.Detector):
         calls = 0
 
@@ -233,7 +233,7 @@ def test_detectors_can_be_derived_from():
     assert detector.options["threads"] == 1 and detector.any(MESH)
 
 
-def test_what_only_the_library_makes_is_not_made_in_python():
+def test_results_cannot_be_constructed_nor_detectors_copied():
     for make in (crumple.Intersections, crumple._core.Intersections):
         with pytest.raises(TypeError):
             make()
@@ -250,10 +250,10 @@ SCENES = {
     "part": PART,
 }
 UNSUPPORTED = {
-    ("mesh", "distances"): "distances are those of bodies",
-    ("part", "distances"): "parts know intersections, impacts and proximities",
-    ("part", "candidates"): "parts know intersections, impacts and proximities",
-    ("part", "free_step"): "parts know intersections, impacts and proximities",
+    ("mesh", "distances"): "distances need bodies: a world or two meshes",
+    ("part", "distances"): "parts support only intersections, impacts and proximities",
+    ("part", "candidates"): "parts support only intersections, impacts and proximities",
+    ("part", "free_step"): "parts support only intersections, impacts and proximities",
 }
 
 
@@ -271,13 +271,13 @@ def test_find_refuses_exactly_the_scenes_that_are_not_supported(scene, name):
         detector.find(SCENES[scene], query)
 
 
-def test_deliveries_that_a_query_has_not_are_refused(detector):
+def test_candidates_support_neither_any_nor_partition(detector):
     for deliver in (detector.any, lambda *given: detector.partition(*given, count=2)):
-        with pytest.raises(crumple.InvalidInput, match="is not for CandidateQuery: docs/supported.md has the table"):
+        with pytest.raises(crumple.InvalidInput, match="does not support CandidateQuery: see docs/supported.md"):
             deliver(MESH, crumple.CandidateQuery())
 
 
-def test_keywords_that_are_equal_but_of_other_types_are_told_apart(detector):
+def test_equal_arguments_of_another_type_are_still_refused(detector):
     detector.intersections(MESH, weld=True)
     with pytest.raises(crumple.InvalidType, match="weld must be True or False, not int"):
         detector.intersections(MESH, weld=1)

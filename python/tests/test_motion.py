@@ -30,7 +30,7 @@ def firsts_of(impacts):
     )
 
 
-def test_vertex_face_and_time(either):
+def test_vertex_hits_face_at_the_exact_time(either):
     found = either.impacts(START, END, FACES)
     assert found.vertex_faces.tolist() == [[3, 0]] and found.vertex_face_toi.tolist() == [0.5]
     assert found.vertex_face_start.tolist() == [False] and found.edge_edges.tolist() == []
@@ -41,7 +41,7 @@ def test_vertex_face_and_time(either):
 
 
 @pytest.mark.parametrize("speed, toi", [(3, 1 / 3), (10, np.nextafter(0.1, 0)), (2, 0.5)])
-def test_edge_edge_and_time_rounded_down(speed, toi, either):
+def test_time_of_edge_edge_impact_is_rounded_down(speed, toi, either):
     """The float64 nearest to 1/3 is less than 1/3. The one nearest to 1/10 is more than 1/10, and must not occur."""
     start = np.array([[-1, 0, 0], [1, 0, 0], [0, 0, -99], [0, -1, 1], [0, 1, 1], [0, 0, 99]], np.float64)
     end = start.copy()
@@ -53,7 +53,7 @@ def test_edge_edge_and_time_rounded_down(speed, toi, either):
     assert found.edge_edge_toi.dtype == np.float64 and found.edge_edge_start.dtype == np.bool_
 
 
-def test_contact_at_the_start_has_a_flag(either):
+def test_contact_at_the_start_is_flagged(either):
     start = START.copy()
     start[3, 2] = 0
     found = either.impacts(start, END, FACES)
@@ -61,7 +61,7 @@ def test_contact_at_the_start_has_a_flag(either):
     assert either.impacts(start, END, FACES, output="first").first.start is True
 
 
-def test_the_first_and_whether_the_step_is_free(either):
+def test_first_impact_is_none_if_the_step_is_free(either):
     first = either.impacts(START, END, FACES, output="first").first
     assert first == ("vertex_face", (3, 0), None, 0.5, False) and isinstance(first, crumple.FirstImpact)
     assert toi_of(either.first_impact(START, END, FACES)) == 0.5
@@ -72,7 +72,7 @@ def test_the_first_and_whether_the_step_is_free(either):
     assert either.any(crumple.Mesh(START, FACES).moving_to(START), crumple.ImpactQuery()) is False
 
 
-def test_without_a_detector():
+def test_functions_of_the_module_need_no_detector():
     assert toi_of(crumple.first_impact(START, END, FACES)) == 0.5
     assert crumple.impacts(end=END, start=START, faces=FACES).vertex_faces.tolist() == [[3, 0]]
     assert crumple.impacts(START, END, FACES, output="any")
@@ -84,7 +84,7 @@ def test_without_a_detector():
     [({"min_distance": 0.5}, 0.25), ({"min_distance_share": 0.25}, 0.375), ({"min_distance": 3.0}, 0.0)],
     ids=str,
 )
-def test_features_touch_at_a_distance(min_distance, toi, either):
+def test_minimum_distance_makes_impacts_earlier(min_distance, toi, either):
     """The vertex falls from a height of 1 above the face to -1, through the inside of the face."""
     found = either.impacts(START, END, FACES, output="first", **min_distance)
     assert found.first.toi == toi and found.first.start is (toi == 0)
@@ -100,7 +100,7 @@ def test_features_touch_at_a_distance(min_distance, toi, either):
     )
 
 
-def test_a_weld_makes_neighbours(either):
+def test_weld_joins_vertices_equal_at_start_and_end(either):
     """Two triangles of a hinge have separate vertices at the same positions, at the start and at the end."""
     start = np.array([[0, 0, 0], [0, 1, 0], [1, 0, 0], [0, 0, 0], [0, 1, 0], [-1, 0, 0]], np.float64)
     end = start + np.array([0, 0, 1.0])
@@ -126,7 +126,7 @@ QUESTIONS = [
 
 @pytest.mark.parametrize("question", QUESTIONS, ids=str)
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_brute_force_agrees(dtype, question, detector, reference):
+def test_impacts_match_brute_force(dtype, question, detector, reference):
     for seed in range(3):
         vertices, end, faces = moving(seed, dtype=dtype)
         asked = {**question, "groups": np.arange(len(faces)) % 3} if "groups" in question else question
@@ -135,7 +135,7 @@ def test_brute_force_agrees(dtype, question, detector, reference):
         assert_same(detector.impacts(vertices, end, faces, **asked), expected)
 
 
-def test_less_is_the_same_as_all_cut_short(either):
+def test_smaller_outputs_agree_with_all_impacts(either):
     for seed in range(4):
         scene = moving(seed)
         every = either.impacts(*scene)
@@ -149,18 +149,18 @@ def test_less_is_the_same_as_all_cut_short(either):
         assert either.impacts(*scene, output="any_by_world").world_hit.tolist() == [True]
 
 
-def test_all_impacts_tell_the_first(either):
+def test_output_of_pairs_has_the_first_impact_too(either):
     scene = moving(1)
     every, earliest = either.impacts(*scene), either.impacts(*scene, output="first")
     assert every.first == earliest.first is not None and every.world_first == earliest.world_first
 
 
-def test_offsets_by_feature(either):
+def test_index_lists_the_impacts_of_each_feature(either):
     vertices, end, faces = moving(2)
     check_index(either.impacts(vertices, end, faces, index=True), len(vertices), len(faces))
 
 
-def test_offsets_by_feature_with_groups(either):
+def test_index_with_groups_lists_the_impacts_of_each_feature(either):
     vertices, end, faces = moving(2)
     groups = np.arange(len(faces)) % 2
     found = either.impacts(vertices, end, faces, groups=groups, index=True, filter=crumple.PairFilter(groups="between"))
@@ -180,13 +180,13 @@ def test_offsets_by_feature_with_groups(either):
     ],
     ids=["fortran", "reversed", "strided", "big endian", "lists", "no mask", "dlpack"],
 )
-def test_the_end_comes_in_many_forms(given, detector):
+def test_end_vertices_can_have_any_layout(given, detector):
     expected = detector.impacts(START, END, FACES)
     assert_same(detector.impacts(START, given(END), FACES), expected)
     assert_same(detector.impacts(given(START), given(END), FACES), expected)
 
 
-def test_meshes_come_in_many_forms(detector):
+def test_meshes_of_any_form_and_precision_are_accepted(detector):
     expected = detector.impacts(START, END, FACES)
     for mesh in ((START, FACES), crumple.Mesh(START, FACES), crumple.Mesh(START, FACES.ravel(), [0, 1])):
         assert_same(detector.impacts(mesh, END), expected)
@@ -202,7 +202,7 @@ def test_meshes_come_in_many_forms(detector):
     "arguments, named, message",
     [
         ((START, END[:5], FACES), {}, "^end vertices must be as many as those at the start, 6, not 5$"),
-        ((START, None, FACES), {}, "the vertices at the end are missing"),
+        ((START, None, FACES), {}, "the vertices at the end are missing; a query about motion needs them"),
         ((START, END[:, :2], FACES), {}, r"end vertices must have shape \(n, 3\), not \(6, 2\)"),
         ((START, END.astype(int), FACES), {}, "end vertices must be float32 or float64, not int64"),
         ((START, OnDevice(END), FACES), {}, "end vertices lie in the memory of CUDA device 0, but"),
@@ -244,7 +244,7 @@ def test_wrong_arguments_are_refused(arguments, named, message, detector):
 
 
 @pytest.mark.parametrize("name", ["impacts", "first_impact", "free_step"])
-def test_methods_tell_what_they_are(name, detector):
+def test_methods_have_names_signatures_and_documentation(name, detector):
     for method in (getattr(crumple.Detector, name), getattr(detector, name)):
         assert method.__name__ == name and method.__qualname__ == f"Detector.{name}"
         assert inspect.isroutine(method) and len(inspect.getdoc(method)) > 100
@@ -264,7 +264,7 @@ def test_methods_tell_what_they_are(name, detector):
         assert not isinstance(caught.value, crumple.Error)
 
 
-def test_what_was_not_asked_for_says_how_to_ask(detector):
+def test_error_explains_how_to_request_a_missing_array(detector):
     nothing = detector.impacts(START, END, FACES, output="any")
     for name, output in (
         [("world_hit", "any_by_world")]
@@ -282,7 +282,7 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
         _ = every.vertex_face_bodies
 
 
-def test_triangles_that_are_stuck_or_come_to_touch(either, tmp_path):
+def test_triangle_pairs_include_those_stuck_from_the_start(either, tmp_path):
     """One blade is stuck in a plate and moves sideways; another one comes down on the plate."""
     start = np.array([[-9, -9, 0], [9, -9, 0], [0, 9, 0], [0, 0, -1], [0.5, 0, 1], [-0.5, 0.2, 1]])
     start = np.vstack([start, np.array([1, 0, 2]) + start[3:]])
@@ -321,7 +321,7 @@ def test_triangles_that_are_stuck_or_come_to_touch(either, tmp_path):
         _ = found.triangle_pair_bodies
 
 
-def test_triangles_of_bodies(either):
+def test_triangle_pairs_of_intersecting_bodies_are_found(either):
     plate = crumple.Shape(np.array([[-9, -9, 0], [9, -9, 0], [0, 9, 0.0]]), FACES[:1])
     blade = crumple.Shape(np.array([[0, 0, -1], [0.5, 0, 1], [-0.5, 0.2, 1]]), FACES[:1])
     world = crumple.World(
@@ -339,7 +339,7 @@ def test_triangles_of_bodies(either):
 
 
 @pytest.mark.parametrize("weld", [False, True])
-def test_brute_force_agrees_about_triangles(weld, detector, reference):
+def test_triangle_pairs_match_brute_force(weld, detector, reference):
     for seed in range(4):
         scene = moving(seed)
         found, expected = (
@@ -359,7 +359,7 @@ def test_brute_force_agrees_about_triangles(weld, detector, reference):
 # Worlds.
 
 
-def test_bodies_and_time(either):
+def test_impacts_of_a_world_have_bodies_and_times(either):
     world = falling_world()
     found = either.impacts(world)
     assert found.vertex_faces.tolist() == [[0, 0]] and found.vertex_face_bodies.tolist() == [[1, 0]]
@@ -374,11 +374,11 @@ def test_bodies_and_time(either):
     assert either.first_impact(world, filter=crumple.PairFilter(excluded_bodies=[(0, 1)])) is None
     with pytest.raises(crumple.InvalidInput, match="vertex_offsets is for one mesh"):
         _ = found.vertex_offsets
-    with pytest.raises(crumple.InvalidInput, match="offsets by feature are made of a single mesh"):
+    with pytest.raises(crumple.InvalidInput, match="only a single mesh has offsets by feature"):
         either.impacts(world, index=True)
 
 
-def test_poses_at_the_end(either):
+def test_end_poses_move_bodies(either):
     shape = crumple.Mesh(START[3:], FACES[:1])
     poses = np.tile(np.eye(3, 4), (2, 1, 1))
     poses[1, 2, 3] = -5
@@ -429,7 +429,7 @@ def bodies_in_motion(seed, bodies=6, worlds=2):
     ],
     ids=str,
 )
-def test_brute_force_agrees_about_worlds(question, detector, reference):
+def test_impacts_of_worlds_match_brute_force(question, detector, reference):
     for seed in range(3):
         world = bodies_in_motion(seed)
         expected = reference.impacts(world, **question)
@@ -443,14 +443,14 @@ def test_brute_force_agrees_about_worlds(question, detector, reference):
         assert hit.tolist() == [first is not None for first in earliest[0].world_first] == expected.world_hit.tolist()
 
 
-def test_one_body_in_place_is_a_mesh(either):
+def test_one_unposed_body_gives_the_impacts_of_its_mesh(either):
     vertices, end, faces = moving(5)
     found = either.impacts(crumple.World([crumple.Shape(vertices, faces, end=end)], self_collisions=True))
     assert_same(found, either.impacts(vertices, end, faces))
     assert found.vertex_face_bodies.shape == found.vertex_faces.shape and not found.vertex_face_bodies.any()
 
 
-def test_configurations_are_a_loop(detector):
+def test_configurations_give_the_results_of_a_loop(detector):
     random = np.random.default_rng(3)
     shape, far = soup(6, size=0.5, dtype=np.float64), 2.5
     base = crumple.World(

@@ -18,12 +18,12 @@ FILE_OF = {case: file for file in FILES for case in re.findall(r"^def (\w+)\(\):
 # Numbers of ranks on which some cases run; all others run on three. A single rank is a special case: it does not
 # communicate.
 RANKS_OF = {
-    "the_result_is_that_of_one_detector": (1, 3),
-    "motion_is_that_of_one_detector": (1, 3),
-    "ranks_fail_together_and_go_on": (1, 3),
-    "a_closed_detector_says_so": (1, 3),
-    "some_ranks_have_a_scene_of_their_own": (1, 3),
-    "a_signal_is_seen_within_a_search": (1,),
+    "intersections_match_a_single_detector": (1, 3),
+    "impacts_match_a_single_detector": (1, 3),
+    "all_ranks_fail_together_and_stay_usable": (1, 3),
+    "closed_detector_refuses_calls": (1, 3),
+    "groups_of_ranks_can_search_their_own_scenes": (1, 3),
+    "a_signal_ends_a_search_early": (1,),
 }
 needs_mpi = pytest.mark.skipif(bool(mpi.missing()), reason=mpi.missing())
 
@@ -37,19 +37,19 @@ def python(code):
     return run(sys.executable, "-c", code)
 
 
-def test_there_are_cases():
+def test_each_listed_case_exists():
     assert len(FILE_OF) >= 8 and set(RANKS_OF) <= set(FILE_OF)
 
 
 @needs_mpi
 @pytest.mark.parametrize("case, ranks", [(case, ranks) for case in FILE_OF for ranks in RANKS_OF.get(case, (3,))])
-def test_ranks(case, ranks):
+def test_case_passes_on_all_ranks(case, ranks):
     # `-m mpi4py` ends all ranks if one of them fails.
     done = run("mpirun", "-n", str(ranks), sys.executable, "-m", "mpi4py", FILE_OF[case], case)
     assert done.returncode == 0 and "passed" in done.stdout, done.stdout + done.stderr
 
 
-def test_a_package_without_mpi_says_how_to_build_it():
+def test_import_error_without_mpi_explains_how_to_build_it():
     done = python("import sys; sys.modules['crumple._mpi'] = None; import crumple.mpi")
     assert "ImportError: crumple was built without MPI: install it by `pip install . --config" in done.stderr
 
@@ -60,7 +60,7 @@ def test_the_package_itself_needs_no_mpi():
 
 
 @needs_mpi
-def test_without_mpi4py_an_import_says_so():
+def test_import_error_names_missing_mpi4py():
     done = python("import sys; sys.modules['mpi4py'] = None; import crumple.mpi")
     assert "ImportError: crumple.mpi needs mpi4py: " in done.stderr
 
@@ -75,10 +75,10 @@ def test_without_mpi4py_an_import_says_so():
         ),
         (
             "MPI.Get_library_version = lambda v=MPI.Get_library_version(): v + 'x'",
-            "crumple.mpi and mpi4py use two libraries",
+            "crumple.mpi and mpi4py use different libraries",
         ),
-        ("MPI._sizeof = lambda _: 3", "crumple.mpi and mpi4py use two libraries that are "),
-        ("MPI._handleof = lambda _: 64", "crumple.mpi and mpi4py use two libraries that are "),
+        ("MPI._sizeof = lambda _: 3", "crumple.mpi and mpi4py use different libraries, both "),
+        ("MPI._handleof = lambda _: 64", "crumple.mpi and mpi4py use different libraries, both "),
     ],
 )
 def test_an_mpi4py_with_another_mpi_is_refused(change, sentence):
@@ -87,15 +87,15 @@ def test_an_mpi4py_with_another_mpi_is_refused(change, sentence):
 
 
 @needs_mpi
-def test_an_mpi_that_has_not_begun_or_has_ended_is_refused():
+def test_uninitialised_or_finalised_mpi_is_refused():
     begin = "import mpi4py; mpi4py.rc.initialize = {}; from mpi4py import MPI; import crumple.mpi\n"
     for before in begin.format(False), begin.format(True) + "MPI.Finalize()\n":
         done = python(before + "crumple.mpi.Detector(MPI.COMM_WORLD)")
-        assert "crumple._errors.Error: MPI is not initialised: call MPI.Init() before" in done.stderr, done.stderr
+        assert "crumple._errors.Error: MPI is not initialised: call MPI.Init() first" in done.stderr, done.stderr
 
 
 @needs_mpi
-def test_options_are_those_of_a_detector():
+def test_mpi_detector_has_the_options_of_a_detector():
     done = python(
         "import inspect, crumple.mpi\n"
         "one, many = (inspect.signature(d.__init__).parameters for d in (crumple.Detector, crumple.mpi.Detector))\n"
@@ -125,7 +125,7 @@ def test_everything_public_is_documented():
     assert done.returncode == 0, done.stderr
 
 
-def test_errors_tell_a_rank():
+def test_errors_have_a_rank_and_pickling_keeps_it():
     assert inspect.signature(crumple.Error).parameters["rank"].default == -1
     with pytest.raises(crumple.InvalidInput) as caught:
         crumple.Detector().intersections([[0.0, 0, 0]], [[0, 0, 1]])

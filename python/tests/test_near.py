@@ -13,7 +13,7 @@ from features import BODIES, CLOSEST, FACES, LEAST, LISTS, START, assert_same, c
 from worlds import random_poses
 
 
-def test_pairs_and_distances(either):
+def test_near_pairs_have_exact_squared_distances(either):
     """The lowest vertex of the upper triangle is at a height of 1 above the inside of the other triangle."""
     found = either.proximities(START, FACES, radius=1)
     assert found.vertex_faces.tolist() == [[3, 0]] and found.vertex_face_squared_distance.tolist() == [1]
@@ -29,13 +29,13 @@ def test_pairs_and_distances(either):
     assert found.vertex_face_squared_distance.dtype == np.float64 and found.vertex_faces.dtype == np.int32
 
 
-def test_strictly_nearer(either):
+def test_strict_excludes_pairs_at_the_radius(either):
     assert not either.proximities(START, FACES, radius=1, strict=True)
     assert either.proximities(START, FACES, radius=np.nextafter(1, 2), strict=True)
     assert not either.proximities(START, FACES, radius=np.nextafter(1, 0))
 
 
-def test_touching_is_told_from_rounding(either):
+def test_distance_that_underflows_is_not_touching(either):
     vertices = START.copy()
     vertices[3, 2] = 0
     found = either.proximities(vertices, FACES, radius=0)
@@ -47,7 +47,7 @@ def test_touching_is_told_from_rounding(either):
     assert found.vertex_face_squared_distance.tolist() == [np.inf]
 
 
-def test_where_they_are_closest(either):
+def test_closest_points_have_the_reported_distance(either):
     found = either.proximities(START, FACES, radius=2, closest=True)
     kinds = [crumple.VertexFaceType(kind).name for kind in found.vertex_face_type]
     assert found.vertex_faces[:2].tolist() == [[0, 1], [3, 0]] and kinds[:2] == ["P_T0", "P_T"]
@@ -69,7 +69,7 @@ def test_where_they_are_closest(either):
             assert np.isclose(gap @ gap, square, rtol=1e-12)
 
 
-def test_the_least_distance_of_each_feature(either):
+def test_least_distance_of_each_feature_is_rounded_down(either):
     found = either.proximities(START, FACES, radius=1.5, least=True)
     assert found.vertex_distance.tolist() == [np.inf, np.inf, np.inf, 1, np.inf, np.inf]
     assert found.face_distance.tolist() == [1, np.inf]
@@ -79,7 +79,7 @@ def test_the_least_distance_of_each_feature(either):
     assert np.flatnonzero(np.isfinite(found.edge_distance)).tolist() == np.unique(found.edge_edges).tolist()
 
 
-def test_without_a_detector():
+def test_function_of_the_module_needs_no_detector():
     assert crumple.proximities(START, FACES, radius=1).vertex_faces.tolist() == [[3, 0]]
     assert crumple.proximities((START, FACES), radius=1, output="any")
     assert crumple.proximities(
@@ -99,7 +99,7 @@ QUESTIONS = [
 
 @pytest.mark.parametrize("question", QUESTIONS, ids=str)
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_brute_force_agrees(dtype, question, detector, reference):
+def test_near_pairs_match_brute_force(dtype, question, detector, reference):
     for seed, radius in enumerate((0.2, 0.3, 1)):
         vertices, faces, _ = soup(14, size=0.5, seed=seed, dtype=dtype)
         asked = {**question, "radius": radius, "closest": True, "least": True}
@@ -110,7 +110,7 @@ def test_brute_force_agrees(dtype, question, detector, reference):
         assert_same(detector.proximities(vertices, faces, **asked), expected, CLOSEST + LEAST)
 
 
-def test_less_is_the_same_as_all_cut_short(either):
+def test_smaller_outputs_agree_with_all_near_pairs(either):
     mesh = soup(10, size=0.5)
     for radius in (0.2, 1e-9):
         every = either.proximities(mesh, radius=radius)
@@ -120,12 +120,12 @@ def test_less_is_the_same_as_all_cut_short(either):
         assert ("something is near" if every else "nothing is near") in repr(by_world)
 
 
-def test_offsets_by_feature(either):
+def test_index_lists_the_near_pairs_of_each_feature(either):
     mesh = soup(10, size=0.5)
     check_index(either.proximities(mesh, radius=0.2, index=True), len(mesh.vertices), len(mesh.faces))
 
 
-def test_least_distances_with_groups(either):
+def test_least_distances_with_groups_are_of_listed_pairs(either):
     mesh = soup(10, size=0.5)
     found = either.proximities(
         mesh, groups=np.arange(10) % 2, radius=0.5, least=True, filter=crumple.PairFilter(groups="between")
@@ -152,8 +152,8 @@ def test_least_distances_with_groups(either):
         ((START, FACES), {"rings": -1}, "rings must be 0 or more"),
         ((START, FACES), {"rings": 1.5}, "rings must be an integer"),
         ((START, FACES), {"rest": START[:5]}, "rest vertices must be as many as those of the mesh, 6, not 5"),
-        ((START, FACES), {"rest": START * np.nan}, "at rest: vertex 0 is not finite"),
-        ((START, FACES), {"rest_radius": 1}, "rest_radius needs a shape at rest"),
+        ((START, FACES), {"rest": START * np.nan}, "rest shape: vertex 0 is not finite"),
+        ((START, FACES), {"rest_radius": 1}, "rest_radius needs a rest shape"),
         ((START, FACES), {"rest": START, "rest_radius": -1}, "rest_radius must be finite and 0 or more"),
         ((START, FACES), {"strict": 1}, "strict must be True or False, not int"),
         ((START, FACES), {"closest": 1}, "closest must be True or False, not int"),
@@ -179,7 +179,7 @@ def test_wrong_arguments_are_refused(mesh, named, message, detector):
     assert detector.proximities(START, FACES, radius=1), "the detector stays usable"
 
 
-def test_the_method_tells_what_it_is(detector):
+def test_method_has_name_signature_and_documentation(detector):
     for method in (crumple.Detector.proximities, detector.proximities):
         assert method.__name__ == "proximities" and method.__qualname__ == "Detector.proximities"
         assert inspect.isroutine(method) and len(inspect.getdoc(method)) > 100
@@ -191,7 +191,7 @@ def test_the_method_tells_what_it_is(detector):
             detector.proximities(*scene, radius=1, stric=True)
 
 
-def test_what_was_not_asked_for_says_how_to_ask(detector):
+def test_error_explains_how_to_request_a_missing_array(detector):
     nothing = detector.proximities(START, FACES, radius=1, output="any")
     for name in (*LISTS["Proximities"], "count", "edges", "first_edge", "by_second_edge"):
         with pytest.raises(
@@ -240,7 +240,7 @@ def random_world(seed, bodies=6, worlds=2):
     ],
     ids=str,
 )
-def test_brute_force_agrees_about_worlds(question, detector, reference):
+def test_near_pairs_of_worlds_match_brute_force(question, detector, reference):
     for seed in range(3):
         world, asked = random_world(seed), {"radius": 0.1 * (seed + 1), "closest": True, **question}
         expected = reference.proximities(world, **asked)
@@ -250,7 +250,7 @@ def test_brute_force_agrees_about_worlds(question, detector, reference):
         assert hit.tolist() == expected.world_hit.tolist()
 
 
-def test_worlds_are_those_of_the_start(either):
+def test_end_vertices_and_end_poses_are_ignored(either):
     far = START.copy()
     far[3:, 2] += 9
     still = crumple.World([(START, FACES)], self_collisions=True)
@@ -264,7 +264,7 @@ def test_worlds_are_those_of_the_start(either):
         assert_same(either.proximities(world, radius=1), expected)
 
 
-def test_poses_and_exclusions(either):
+def test_near_pairs_follow_poses_and_excluded_bodies(either):
     shape = crumple.Mesh(START[:3], FACES[:1])
     poses = np.tile(np.eye(3, 4), (2, 1, 1))
     poses[1, 2, 3] = 3
@@ -278,7 +278,7 @@ def test_poses_and_exclusions(either):
     np.testing.assert_array_equal(either.proximities(world.at(poses.copy()), radius=1).edge_edges, nearer.edge_edges)
 
 
-def test_radii_add_up(either):
+def test_radii_of_both_features_add_up(either):
     radii = np.array([0.75, 0, 0, 0.25, 0, 0])
     assert either.proximities(START, FACES, radii=radii).vertex_faces.tolist() == [[3, 0]]
     assert not either.proximities(START, FACES, radii=radii, strict=True)
@@ -291,7 +291,7 @@ def test_radii_add_up(either):
     assert not either.proximities([], [], radii=[])
 
 
-def test_neighbours_and_what_is_close_at_rest_are_left_out(either):
+def test_rings_and_rest_shape_exclude_pairs(either):
     mesh = soup(20, size=0.5, seed=3, dtype=np.float64)
     for question in ({"radius": 0.3}, {"radii": np.random.default_rng(1).random(len(mesh.vertices)) * 0.2}):
         every = either.proximities(mesh, **question)
@@ -306,7 +306,7 @@ def test_neighbours_and_what_is_close_at_rest_are_left_out(either):
     assert not either.proximities(*square, radius=1, rings=1)
 
 
-def test_brute_force_agrees_on_filters(detector, reference):
+def test_radii_rings_and_rest_shape_match_brute_force(detector, reference):
     random = np.random.default_rng(5)
     mesh = soup(14, size=0.6, seed=6, dtype=np.float64)
     mesh.faces[3:9] = mesh.faces[2:8] // 2  # these triangles have vertices in common
@@ -324,7 +324,7 @@ def test_brute_force_agrees_on_filters(detector, reference):
         assert_same(detector.proximities(mesh, **asked), expected, CLOSEST + LEAST)
 
 
-def test_shapes_of_worlds_bring_radii_and_where_they_are_at_rest(either):
+def test_shapes_of_worlds_have_radii_and_rest_vertices(either):
     radii = np.full(6, 0.5)
     shape = crumple.Shape(START, FACES, radii=radii, rest=START)
     assert shape.radii is radii and shape.rest is START

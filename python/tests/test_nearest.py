@@ -26,7 +26,7 @@ def assert_same(found, expected):
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name, strict=True)
 
 
-def test_two_squares(either):
+def test_distance_of_two_squares_is_exact(either):
     world = crumple.World([SQUARE], [0, 0], poses=moved((0, 0, 0), (0.25, 0.5, 3)))
     found = either.distances(world)
     assert found.bodies.tolist() == [[0, 1]] and found.triangles.tolist() == [[0, 0]] and len(found) == 1
@@ -37,7 +37,7 @@ def test_two_squares(either):
     assert touching.touching.tolist() == [True] and touching.points.tolist() == [[[1, 1, 0], [1, 1, 0]]]
 
 
-def test_vertices_are_as_near_as_rational_numbers_say(either):
+def test_distance_of_vertices_matches_rational_arithmetic(either):
     """All triangles are degenerate, with three equal corners, so the distance is that of two vertices."""
     points = np.random.default_rng(2).uniform(-1, 1, (8, 3))
     shapes = [(points[k : k + 4], np.repeat(np.arange(4)[:, None], 3, axis=1)) for k in (0, 4)]
@@ -49,7 +49,7 @@ def test_vertices_are_as_near_as_rational_numbers_say(either):
     np.testing.assert_array_equal(found.points[0], points[[a, 4 + b]])
 
 
-def test_it_is_that_of_the_reference():
+def test_distances_match_the_reference():
     random = np.random.default_rng(5)
     reference = crumple.Detector(backend="reference")
     meshes = [soup(12, seed=seed)[:2] for seed in (1, 2, 3)]
@@ -70,7 +70,7 @@ def test_it_is_that_of_the_reference():
                 assert_same(detector.distances(world, **question), expected)
 
 
-def test_configurations_and_names():
+def test_each_configuration_has_its_own_distance():
     world = crumple.World([SQUARE, SQUARE], worlds=[0, -1], names=["arm", "room"])
     poses = np.stack([moved((0, 0, z)) for z in (1, 2, 0)])
     found = crumple.distances(world.configurations(poses))
@@ -85,7 +85,7 @@ def test_configurations_and_names():
     assert crumple.distances(world.configurations(poses), radius=1).bodies.tolist() == [[0, 3], [2, 3]]
 
 
-def test_arrays_are_views_or_copies():
+def test_arrays_are_read_only_unless_copied():
     world = crumple.World([SQUARE], [0, 0], poses=moved((0, 0, 0), (0, 0, 3)))
     detector = crumple.Detector()
     found = detector.distances(world)
@@ -99,7 +99,7 @@ def test_arrays_are_views_or_copies():
     assert found.points[0, 1, 2] == 3
 
 
-def test_copies_and_pickles():
+def test_copies_and_pickles_keep_the_distances():
     world = crumple.World([SQUARE], [0, 0, 0], poses=moved((0, 0, 0), (0, 0, 3), (0, 0, 0)))
     found = crumple.distances(world)
     for other in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
@@ -156,7 +156,7 @@ def test_each_world_has_its_nearest_pair(either):
         ({"filter": crumple.PairFilter(excluded_bodies=[(0, 7)])}, "excluded names body 7 of 2"),
     ],
 )
-def test_what_is_refused(either, question, message):
+def test_invalid_queries_and_poses_are_refused(either, question, message):
     world = crumple.World([SQUARE], [0, 0])
     with pytest.raises(crumple.InvalidInput, match=message):
         either.distances(world, **question)
@@ -165,14 +165,14 @@ def test_what_is_refused(either, question, message):
     assert len(either.distances(world)) == 1, "usable still"
 
 
-def test_it_is_asked_of_worlds():
-    with pytest.raises(crumple.InvalidInput, match=r"distances are those of bodies: a world, or two meshes"):
+def test_distances_need_a_world_or_two_meshes():
+    with pytest.raises(crumple.InvalidInput, match=r"distances need bodies: a world or two meshes"):
         crumple.distances(SQUARE)
     with pytest.raises(TypeError, match="Did you mean 'radius'"):
         crumple.distances(crumple.World([SQUARE]), radios=1)
 
 
-def test_a_memory_limit_holds():
+def test_sufficient_memory_limit_gives_the_same_distances():
     vertices, faces, _ = soup(3000, seed=1)
     world = crumple.World([(vertices, faces)], [0, 0], poses=moved((0, 0, 0), (3, 0, 0)))
     limit = sufficient_limit(lambda detector: detector.distances(world), 20_000, backend="cpu")

@@ -36,7 +36,7 @@ UNIT = box([0, 0, 0])
         (box([0, 0, 0]), OverlapRelation.EQUAL, 1, None, None),
     ],
 )
-def test_boxes_overlap_as_known(detector, other, relation, volume, normal, depth):
+def test_overlaps_of_boxes_have_known_volume_and_depth(detector, other, relation, volume, normal, depth):
     found = detector.overlaps(UNIT, other)
     assert len(found) == 1 and found.any and found.bodies.tolist() == [[0, 1]]
     assert found.relation.tolist() == [relation] and found.volume.tolist() == [volume]
@@ -48,12 +48,12 @@ def test_boxes_overlap_as_known(detector, other, relation, volume, normal, depth
     assert exchanged.volume.tolist() == [volume] and (exchanged.area_vector == -found.area_vector).all()
 
 
-def test_boxes_apart_have_no_row(detector):
+def test_separate_boxes_have_no_overlap(detector):
     found = detector.overlaps(UNIT, box([3, 0, 0]))
     assert not found and len(found) == 0 and found.volume.shape == (0,) and found.normal.shape == (0, 3)
 
 
-def test_derivatives_add_up_to_the_area_vector_and_to_three_times_the_volume(detector):
+def test_gradient_is_consistent_with_area_vector_and_volume(detector):
     other = box([0.5, 0.25, 0.125])
     found = detector.overlaps(UNIT, other, gradient=True)
     body, vertex = found.gradient_vertices.T
@@ -69,12 +69,12 @@ def test_derivatives_add_up_to_the_area_vector_and_to_three_times_the_volume(det
         assert (more - found.volume[0]) / step == pytest.approx(found.gradient[i, 0], abs=1e-5)
 
 
-def test_winding_numbers_are_those_of_corners_inside(detector):
+def test_winding_numbers_list_the_vertices_inside(detector):
     found = detector.overlaps(UNIT, box([0.5, 0.5, 0.5]), windings=True)
     assert found.winding_vertices.tolist() == [[0, 7], [1, 0]] and found.windings.tolist() == [1, 1]
 
 
-def test_curves_follow_each_other_and_add_up(detector):
+def test_closed_curve_has_the_area_vector_of_the_overlap(detector):
     found = detector.overlaps(UNIT, box([0.5, 0.5, 0.5]), curves=True)
     ((curve,),) = found.curves
     assert found.curve_offsets.tolist() == [0, 1] and found.curve_closed.tolist() == [True]
@@ -96,13 +96,13 @@ def test_open_surfaces_have_open_curves(detector):
     assert pickle.loads(pickle.dumps(found)).curves[0][0].tolist() == curve.tolist()
 
 
-def test_faces_in_one_plane_have_a_contact_area(detector):
+def test_coplanar_faces_have_a_contact_area(detector):
     found = detector.overlaps(UNIT, box([0.25, 0, 1]))
     assert found.contact_area.tolist() == [0.75] and found.relation.tolist() == [OverlapRelation.TOUCHING]
     assert detector.overlaps(UNIT, box([0.25, 0.25, 0.25])).contact_area.tolist() == [0]
 
 
-def test_a_mesh_overlaps_itself(detector):
+def test_overlap_of_a_mesh_with_itself_is_found(detector):
     alone = detector.overlaps(UNIT)
     assert len(alone) == 0 and alone.body_volume.tolist() == [1] and alone.is_solid.tolist() == [True]
     twice = crumple.Mesh(np.vstack([CORNERS, CORNERS + 0.5]), np.vstack([FACES, FACES + 8]))
@@ -111,7 +111,7 @@ def test_a_mesh_overlaps_itself(detector):
     assert found.body_volume.tolist() == [2] and found.is_solid.tolist() == [False]
 
 
-def test_worlds_have_rows_of_their_own_bodies(detector):
+def test_only_bodies_of_the_same_world_overlap(detector):
     world = crumple.World([UNIT, box([0.5, 0, 0]), UNIT], worlds=[0, 0, 1])
     found = detector.overlaps(world)
     assert found.bodies.tolist() == [[0, 1]] and found.world_hit.tolist() == [True, False]
@@ -125,7 +125,7 @@ def test_worlds_have_rows_of_their_own_bodies(detector):
     assert detector.overlaps(world, self_overlaps=True).is_solid.tolist() == [True] * 3
 
 
-def test_open_surfaces_are_named_or_skipped(detector):
+def test_open_surfaces_are_refused_or_skipped(detector):
     opened = crumple.Mesh(CORNERS, FACES[1:])
     with pytest.raises(crumple.InvalidInput, match="body 1: its surface is not closed: 3 edges .* of triangle "):
         detector.overlaps(UNIT, opened)
@@ -139,7 +139,7 @@ def test_open_surfaces_are_named_or_skipped(detector):
     assert detector.overlaps(UNIT, soup, weld=True).relation.tolist() == [OverlapRelation.EQUAL]
 
 
-def test_arrays_that_were_not_requested_say_how(detector):
+def test_error_explains_how_to_request_a_missing_array(detector):
     found = detector.overlaps(UNIT, UNIT, output="body_pairs")
     with pytest.raises(crumple.InvalidInput, match=r'volume was not requested: OverlapQuery\(output="pairs"\)'):
         _ = found.volume
@@ -163,12 +163,12 @@ def test_arrays_that_were_not_requested_say_how(detector):
         ({"filter": crumple.PairFilter(bodies="within")}, "bodies must not be within"),
     ],
 )
-def test_wrong_queries_are_named(detector, options, message):
+def test_invalid_options_are_refused(detector, options, message):
     with pytest.raises(crumple.InvalidInput, match=message):
         detector.overlaps(UNIT, UNIT, **options)
 
 
-def test_results_are_copied_and_pickled(detector):
+def test_results_can_be_copied_and_pickled(detector):
     found = detector.overlaps(
         crumple.World([UNIT, box([0.5, 0, 0])]), self_overlaps=True, gradient=True, windings=True, curves=True
     )
@@ -211,7 +211,7 @@ def test_pictures_show_the_surface_of_the_overlap(detector, tmp_path, name):
         assert list(crumple.read_world(tmp_path / f"world_{name}").names) == ["a", "b"]
 
 
-def test_a_picture_of_one_mesh_shows_what_it_covers_twice(detector, tmp_path):
+def test_picture_of_one_mesh_shows_its_overlap_with_itself(detector, tmp_path):
     other = box([0.5, 0.25, 0.125])
     both = np.concatenate([UNIT.vertices, other.vertices]), np.concatenate([FACES, FACES + 8])
     detector.overlaps(*both).save(tmp_path / "a.ply", both)
@@ -225,7 +225,7 @@ def test_a_picture_of_open_surfaces_shows_their_curves(detector, tmp_path):
     assert "crossing of surfaces" in page and '"opaque": 0,' in page
 
 
-def test_pictures_that_cannot_be_are_refused(detector, tmp_path):
+def test_invalid_pictures_are_refused(detector, tmp_path):
     found = detector.overlaps(UNIT, box([0.5, 0, 0]))
     with pytest.raises(crumple.InvalidInput, match="saved as .html, .glb, .3mf, .obj or .ply"):
         found.save(tmp_path / "a.csv", UNIT, box([0.5, 0, 0]))

@@ -22,7 +22,7 @@ def run(*arguments, **options):
     return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, **options)
 
 
-def test_the_command_line_is_the_c_plus_plus_one(tmp_path):
+def test_command_line_gives_the_pairs_of_the_library(tmp_path):
     assert run("-m", "crumple", "--version").stdout == f"crumple {crumple.__version__}\n"
     mesh = soup(50, size=0.5)
     crumple.write_mesh(tmp_path / "mesh.ply", mesh)
@@ -38,7 +38,7 @@ def test_the_version_is_that_of_the_distribution():
     assert version("crumple") == crumple.__version__
 
 
-def test_the_version_has_one_place():
+def test_version_is_the_same_in_all_files():
     header = (TOP / "include" / "crumple" / "version.h").read_text()
     numbers = re.findall(r"^#define CRUMPLE_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)$", header, flags=re.M)
     suffix = re.search(r'^#define CRUMPLE_VERSION_SUFFIX "(.*)"$', header, flags=re.M).group(1)
@@ -52,7 +52,7 @@ def test_the_version_has_one_place():
         assert crumple.__version__ not in (TOP / name).read_text(), f"{name} reads include/crumple/version.h"
 
 
-def test_two_distributions_are_refused(tmp_path):
+def test_two_installed_distributions_are_refused(tmp_path):
     """The distributions with and without the cuda backend install the same files."""
     (tmp_path / "crumple").symlink_to(PACKAGE)
     environment = os.environ | {"PYTHONPATH": str(tmp_path)}
@@ -67,20 +67,20 @@ def test_two_distributions_are_refused(tmp_path):
     assert "pip uninstall crumple crumple-cuda13" in last
 
 
-def test_devices_or_a_reason():
+def test_missing_devices_have_a_reason():
     """Either the list of devices or the reason is empty, depending on the machine."""
     devices, reason = crumple.list_devices()
     assert bool(devices) != bool(reason) and "\n" not in reason
     assert isinstance(crumple.Detector().fallback, str) and crumple.Detector(backend="cpu").fallback == ""
 
 
-def test_types_are_shipped():
+def test_package_contains_its_types():
     assert (PACKAGE / "py.typed").exists()
     stub = (PACKAGE / "_core.pyi").read_text()
     assert "class Detector" in stub and "class Statistics" in stub
 
 
-def test_types_hold(tmp_path):
+def test_types_are_accepted_by_mypy(tmp_path):
     peer("mypy")
     program = tmp_path / "typed.py"
     program.write_text(
@@ -136,13 +136,13 @@ def test_everything_public_is_documented():
                     assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
 
 
-def test_without_numpy_a_search_says_so():
+def test_import_error_names_missing_numpy():
     code = "import sys; sys.modules['numpy'] = None; import crumple; crumple.Detector().intersections([], [])"
     process = run("-c", code)
     assert process.returncode == 1 and "ImportError" in process.stderr and "numpy" in process.stderr
 
 
-def test_importing_imports_little():
+def test_import_does_not_import_numpy():
     """Not even NumPy is imported before it is needed. benchmarks/one_process.py measures the time of imports."""
     modules = run("-c", "import crumple, sys; print(*sys.modules)", check=True).stdout.split()
     assert "crumple" in modules

@@ -33,21 +33,21 @@ def test_every_page_has_a_program_and_its_output():
     assert in_cpp == ["README.md: #include <cstdio>", "start_cpp.md: #include <cstdio>"]
 
 
-def test_the_readme_leads_to_each_page():
+def test_readme_links_to_each_page():
     text = (TOP / "README.md").read_text()
     for page in PAGES[1:]:
         assert f"(docs/{page.name})" in text
 
 
 @pytest.mark.parametrize("program", HERE, ids=name_of)
-def test_prints_what_its_page_says(program, tmp_path):
+def test_program_prints_the_output_on_its_page(program, tmp_path):
     done = run(program, tmp_path)
     assert done.returncode == 0, done.stdout
     assert without_times(done.stdout) == without_times(program.prints)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_pictures_and_links_lead_somewhere(page):
+def test_targets_of_pictures_and_links_exist(page):
     links = re.findall(r"\]\(([^)#:]*)(?:#([^):]*))?\)", page.read_text())
     assert links
     for target, anchor in links:

@@ -13,7 +13,7 @@ from conftest import peer
 from crumple._drawing import CALM, COLLIDING, drawing_of
 
 
-def test_a_drawing_colours_what_collides(crossing, detector):
+def test_colliding_triangles_are_coloured(crossing, detector):
     far = crumple.Mesh(crossing.vertices.astype(np.float32)[::-1][::-1], crossing.faces[:1])
     drawing = drawing_of(detector.intersections(crossing, far, output="contacts")._painted())
     assert drawing.vertices.shape == (18, 3) and drawing.faces.tolist()[-1] == [9, 10, 11]
@@ -34,7 +34,7 @@ def test_contacts_are_drawn_by_their_kind(detector):
     assert drawing_of(touch._painted()).points.tolist() == [[1, 1, 0]] and not len(drawing_of(touch._painted()).lines)
 
 
-def test_a_drawing_of_contacts_of_every_kind(detector):
+def test_all_contacts_of_a_scene_are_drawn(detector):
     mesh = crumple.make_scene("lattice", triangles=2000)
     contacts = detector.intersections(mesh, output="contacts").contacts
     drawing = drawing_of(detector.intersections(mesh, output="contacts")._painted())
@@ -62,11 +62,11 @@ def test_html_holds_the_scene(scale, crossing, detector):
     assert result.to_html() != result.to_html(), "two viewers in one notebook do not share an id"
 
 
-def test_html_of_nothing(detector):
+def test_html_of_an_empty_mesh_shows_no_pairs(detector):
     assert "0 colliding pairs of 0 triangles" in detector.intersections([], []).to_html()
 
 
-def test_pictures_without_pyvista_say_what_to_install(tmp_path, crossing, detector, monkeypatch):
+def test_import_error_without_pyvista_explains_how_to_install_it(tmp_path, crossing, detector, monkeypatch):
     import sys
 
     monkeypatch.setitem(sys.modules, "pyvista", None)
@@ -74,7 +74,7 @@ def test_pictures_without_pyvista_say_what_to_install(tmp_path, crossing, detect
         detector.intersections(crossing).save(tmp_path / "picture.png")
 
 
-def test_a_picture_shows_red_where_it_collides(tmp_path, detector):
+def test_picture_is_red_only_if_triangles_collide(tmp_path, detector):
     peer("pyvista")
     image = peer("PIL.Image")
     mesh = crumple.make_scene("cloth", triangles=5000, frame=60)

@@ -66,7 +66,7 @@ def sensible(query, *meshes):
 
 @settings(max_examples=300, deadline=None)
 @given(soups(), queries)
-def test_one_soup(mesh, query):
+def test_pairs_within_a_random_soup_match_brute_force(mesh, query):
     sensible(query, mesh)
     result = WARM.intersections(mesh, output="contacts", **query)
     same(result, REFERENCE.intersections(mesh, output="contacts", **query))
@@ -75,7 +75,7 @@ def test_one_soup(mesh, query):
 
 @settings(max_examples=200, deadline=None)
 @given(soups(), soups(), queries)
-def test_two_soups(a, b, query):
+def test_pairs_between_random_soups_match_brute_force(a, b, query):
     sensible(query, a, b)
     result = WARM.intersections(a, b, output="contacts", **query)
     same(result, REFERENCE.intersections(a, b, output="contacts", **query))
@@ -87,7 +87,7 @@ def test_two_soups(a, b, query):
     arrays.arrays(arrays.scalar_dtypes(), arrays.array_shapes(max_dims=3, max_side=4)),
     arrays.arrays(arrays.scalar_dtypes(), arrays.array_shapes(max_dims=3, max_side=4)),
 )
-def test_whatever_comes_in_is_answered_or_refused(vertices, faces):
+def test_any_arrays_give_a_result_or_an_input_error(vertices, faces):
     """Any arrays give a result or InvalidInput, but never a crash or another exception."""
     try:
         pairs = WARM.intersections(vertices, faces).pairs

@@ -27,7 +27,7 @@ def fields(result):
     }
 
 
-def test_shapes_types_and_order(detector):
+def test_arrays_have_documented_shapes_types_and_order(detector):
     result = detector.intersections(soup(300), output="contacts")
     k, p = len(result), len(result.contacts.points)
     expected = {
@@ -50,7 +50,7 @@ def test_shapes_types_and_order(detector):
     assert result.contacts.offsets[-1] == p == sum(len(result.contacts[i]) for i in range(k))
 
 
-def test_between_two_meshes(detector):
+def test_each_of_two_meshes_has_its_own_hit_flags(detector):
     result = detector.intersections(soup(40, seed=1, size=0.5), soup(70, seed=2, size=0.5))
     assert result.offsets.shape == (41,) and result.hit.shape == (40,) and result.hit_second.shape == (70,)
     assert result.hit.nonzero()[0].tolist() == sorted(set(result.pairs[:, 0].tolist()))
@@ -58,7 +58,7 @@ def test_between_two_meshes(detector):
     assert result.contacts is None
 
 
-def test_arrays_are_read_only_views_of_one_memory(detector):
+def test_arrays_are_read_only_views(detector):
     result = detector.intersections(soup(300), output="contacts")
     for name, array in fields(result).items():
         assert not array.flags.writeable and not array.flags.owndata, name
@@ -104,7 +104,7 @@ def test_a_view_outlives_result_detector_and_input():
         assert pairs.tolist() == expected and len(churn) == 5
 
 
-def test_a_result_that_was_looked_at_goes_with_its_last_reference(detector):
+def test_result_is_freed_with_its_last_reference(detector):
     """A result is freed without the garbage collector, because neither its views nor its meshes refer to it."""
     gc.disable()
     try:
@@ -118,14 +118,14 @@ def test_a_result_that_was_looked_at_goes_with_its_last_reference(detector):
         gc.enable()
 
 
-def test_what_is_computed_once_stays(detector):
+def test_arrays_of_a_result_are_created_once(detector):
     result = detector.intersections(soup(50), output="contacts")
     for name in ("pairs", "offsets", "hit", "hit_second", "contacts"):
         assert getattr(result, name) is getattr(result, name)
         assert getattr(crumple.Intersections, name).__doc__
 
 
-def test_storage_is_used_again_only_when_nobody_looks(detector):
+def test_memory_of_results_in_use_is_not_reused(detector):
     """A detector alternates between the memory of two results. It allocates more if the caller keeps more results."""
     mesh, other = soup(300), soup(300, seed=2)
     expected, others = crumple.intersections(mesh).pairs.tolist(), crumple.intersections(other).pairs.tolist()
@@ -142,7 +142,7 @@ def test_storage_is_used_again_only_when_nobody_looks(detector):
     assert loop.pairs.tolist() == expected and detector.intersections(mesh).pairs.tolist() == expected
 
 
-def test_a_cycle_of_mesh_and_result_is_collected(detector):
+def test_reference_cycle_of_mesh_and_result_is_collected(detector):
     class Owner:
         def __init__(self):
             self.vertices, self.faces, _ = soup(30)
@@ -165,7 +165,7 @@ class Faces:
         return self.owner.faces
 
 
-def test_views_alone_do_not_keep_the_input():
+def test_arrays_of_a_result_do_not_keep_the_input_alive():
     mesh = soup(300)
     vertices = mesh.vertices.copy()
     gone = weakref.ref(vertices)
@@ -178,7 +178,7 @@ def test_views_alone_do_not_keep_the_input():
     assert gone() is None and len(pairs)
 
 
-def test_inputs_are_let_go_after_errors_and_queries(detector):
+def test_inputs_are_released_after_queries_and_errors(detector):
     mesh = soup(300)
     arrays = (mesh.vertices, mesh.faces)
     counts = [sys.getrefcount(a) for a in arrays]
@@ -192,7 +192,7 @@ def test_inputs_are_let_go_after_errors_and_queries(detector):
     assert [sys.getrefcount(a) for a in arrays] == counts
 
 
-def test_frames_take_turns_in_two_memories(detector):
+def test_loop_over_frames_uses_memory_of_two_results(detector):
     """A loop that keeps one result at a time allocates nothing once it is warm."""
     mesh = soup(2000)
     addresses = []
@@ -204,7 +204,7 @@ def test_frames_take_turns_in_two_memories(detector):
     assert result.statistics.pairs == len(result)
 
 
-def test_many_results_dropped_in_any_order(detector):
+def test_results_can_be_freed_in_any_order(detector):
     random = np.random.default_rng(5)
     held, mesh = [], [soup(int(n), seed=int(n)) for n in random.integers(1, 400, 10)]
     expected = [crumple.intersections(m).pairs.tolist() for m in mesh]
@@ -216,7 +216,7 @@ def test_many_results_dropped_in_any_order(detector):
             assert pairs.tolist() == expected[index]
 
 
-def test_memory_comes_back():
+def test_repeated_searches_do_not_leak_memory():
     import resource
 
     mesh = soup(20_000, size=0.05)
@@ -231,7 +231,7 @@ def test_memory_comes_back():
     assert loop(20) - loop(10) < 20_000  # KiB
 
 
-def test_statistics(detector):
+def test_statistics_describe_the_search(detector):
     mesh = crumple.make_scene("cloth", triangles=3000, frame=93)
     result = detector.intersections(mesh)
     s = result.statistics
@@ -247,7 +247,7 @@ def test_statistics(detector):
     assert max(peaks) - min(peaks) < 4 * s.pairs, "the result counts in cold and warm calls"
 
 
-def test_reprs_say_what_is_there(detector, crossing):
+def test_reprs_describe_result_contacts_and_detector(detector, crossing):
     result = detector.intersections(crossing, output="contacts")
     assert repr(result).startswith("<crumple.Intersections: 1 colliding pairs of 3 triangles, ")
     assert repr(result.contacts) == "<crumple.Contacts: 1 pairs, 2 points>"

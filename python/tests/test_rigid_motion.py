@@ -11,7 +11,7 @@ def turn(angle, origin=(0, 0, 0)):
     return np.array([[c, -s, 0, origin[0]], [s, c, 0, origin[1]], [0, 0, 1, origin[2]]])
 
 
-def test_pieces_find_what_straight_ways_miss(either):
+def test_pieces_find_impacts_that_straight_motion_misses(either):
     """A bar that makes half a turn hits a pole beside it. In one straight step its vertices move through its middle."""
     bar = np.array([[-2, 0, -0.1], [2, 0, -0.1], [2, 0, 0.1]])
     pole = np.array([[0, 1.5, -1], [0, 1.5, 1], [0.01, 1.6, 1]])
@@ -30,12 +30,12 @@ def test_pieces_find_what_straight_ways_miss(either):
     np.testing.assert_array_equal(crumple.cut_rigid_motion(square, end, radii, 0.01).poses, poses)
 
 
-def test_errors_name_the_argument_or_the_body():
+def test_error_names_the_argument_or_the_body():
     one = turn(0)[None]
     for arguments, message in (
-        ((2 * one, one, [1], 1), "body 0: its pose at the start is no rotation and translation"),
+        ((2 * one, one, [1], 1), "body 0: its pose at the start is not a rotation with a translation"),
         ((one, one, [-1], 1), "body 0: its radius must be finite and 0 or more"),
-        ((one, one, [1, 2], 1), "must be equally many"),
+        ((one, one, [1, 2], 1), "must have the same length"),
         ((one, one, [1], 0), "tolerance must be finite and above 0"),
         ((one[0], one, [1], 1), "start must have shape"),
         ((one, one, [[1]], 1), "radii must be"),

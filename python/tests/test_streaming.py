@@ -20,7 +20,7 @@ def gathered(detector, scene, block_rows, **query):
 
 @pytest.mark.parametrize("backend", ["cpu", "reference"])
 @pytest.mark.parametrize("size", [1, 7, 100000])
-def test_blocks_are_the_whole_answer(backend, size):
+def test_blocks_together_are_the_whole_result(backend, size):
     detector = crumple.Detector(backend=backend, threads=2)
     for whole, scene in (
         (detector.intersections(MESH, output="contacts"), MESH),
@@ -47,7 +47,7 @@ def test_blocks_outlive_the_call_and_the_detector():
     assert sorted(pair for block in blocks for pair in block.pairs.tolist()) == expected
 
 
-def test_what_take_raises_ends_the_call():
+def test_exception_raised_by_the_consumer_ends_the_call():
     detector = crumple.Detector(threads=2)
     seen = []
 
@@ -61,7 +61,7 @@ def test_what_take_raises_ends_the_call():
     assert detector.intersections(MESH).pairs.tolist() == crumple.intersections(MESH).pairs.tolist()
 
 
-def test_take_cannot_call_the_detector():
+def test_consumer_of_blocks_cannot_call_the_detector():
     detector = crumple.Detector(threads=2)
     messages, other = [], crumple.Detector(threads=1)
 
@@ -74,7 +74,7 @@ def test_take_cannot_call_the_detector():
 
     detector.stream(MESH, crumple.IntersectionQuery(), call, block_rows=5)
     assert messages and set(messages) == {
-        "neither a signal handler nor what takes a block can call the detector whose call goes on"
+        "neither a signal handler nor take(block) can call a detector while another call of it is in progress"
     }
 
 
@@ -91,7 +91,7 @@ def test_cancel_ends_a_stream_between_blocks():
     assert caught.value.code == "cancelled"
 
 
-def test_wrong_arguments_are_named(detector):
+def test_error_names_the_wrong_argument(detector):
     with pytest.raises(crumple.InvalidType, match="take must be callable"):
         detector.stream(MESH, crumple.IntersectionQuery(), MESH)
     with pytest.raises(crumple.InvalidInput, match="block_rows"):
@@ -102,7 +102,7 @@ def test_wrong_arguments_are_named(detector):
         detector.stream(MESH, crumple.IntersectionQuery(), print, block_row=5)
 
 
-def test_a_memory_limit_that_the_answer_exceeds():
+def test_result_larger_than_the_memory_limit_can_be_streamed():
     rng = np.random.default_rng(1)
     centres = rng.random((3000, 1, 3))
     vertices = (centres + 0.9 * (rng.random((3000, 3, 3)) - 0.5)).reshape(-1, 3).astype(np.float32)

@@ -15,7 +15,7 @@ import crumple
 from conftest import soup
 
 
-def test_other_threads_run_meanwhile():
+def test_other_threads_run_during_a_search():
     """If the call held the GIL, the counting thread would stop during the search, which is by brute force."""
     mesh, detector = soup(3000, size=0.3), crumple.Detector(backend="reference")
     inside, ticks = threading.Event(), []
@@ -39,7 +39,7 @@ def test_other_threads_run_meanwhile():
     assert len(within) > 10 and within[-1] - within[0] > 0.5 * (end - begin)
 
 
-def test_two_detectors_at_once():
+def test_two_detectors_search_at_the_same_time():
     """Both are inside the library at the same time: their searches overlap for more than half of the shorter one."""
     mesh = soup(1500, size=0.3)
     spans = []
@@ -58,7 +58,7 @@ def test_two_detectors_at_once():
     assert overlap > 0.5 * min(end - begin for begin, end in spans)
 
 
-def test_many_threads_with_detectors_of_their_own():
+def test_threads_with_own_detectors_get_correct_results():
     meshes = [soup(400, seed=s) for s in range(8)]
     expected = [crumple.intersections(m).pairs.tolist() for m in meshes]
 
@@ -72,7 +72,7 @@ def test_many_threads_with_detectors_of_their_own():
         assert all(pool.map(search, range(8)))
 
 
-def test_one_detector_and_many_threads(detector):
+def test_threads_that_share_a_detector_get_their_own_results(detector):
     """Calls run one after another. Each thread gets its own results, and any thread may free them."""
     meshes = [soup(300, seed=s) for s in range(6)]
     expected = [crumple.intersections(m).pairs.tolist() for m in meshes]
@@ -120,7 +120,7 @@ def test_cancel_ends_searches_for_features(name, backend):
     assert caught.value.code == "cancelled" and find(small).edge_edges.tolist() == expected
 
 
-def test_searches_for_features_take_turns(detector):
+def test_threads_that_share_a_detector_find_correct_features(detector):
     meshes = [soup(40, size=0.5, seed=s) for s in range(4)]
     expected = [crumple.proximities(m, radius=0.1).edge_edges.tolist() for m in meshes]
 
@@ -154,7 +154,7 @@ def run_interrupted(program):
     ("options", "triangles", "size"),
     [("backend='reference'", 20000, 0.3), ("threads=1", 200000, 0.3), ("threads=2", 200000, 0.3)],
 )
-def test_interrupt_cuts_a_call_short(options, triangles, size):
+def test_interrupt_ends_a_search_early(options, triangles, size):
     """The search would take many seconds, but the call ends at once; the detector stays usable."""
     program = f"""
         import signal, time, crumple
@@ -172,7 +172,7 @@ def test_interrupt_cuts_a_call_short(options, triangles, size):
     assert run_interrupted(program) == "interrupted True\n"
 
 
-def test_interrupt_while_another_thread_has_its_turn():
+def test_interrupt_leaves_the_search_of_another_thread_running():
     """The interrupt ends the wait of the main thread at once; the other thread's call continues."""
     program = """
         import signal, threading, time, crumple
@@ -224,6 +224,6 @@ def test_a_signal_handler_cannot_call_the_detector_it_interrupts():
     """
     out = run_interrupted(program)
     assert out in (
-        "neither a signal handler nor what takes a block can call the detector whose call goes on\n",
+        "neither a signal handler nor take(block) can call a detector while another call of it is in progress\n",
         "between two calls\n",
     )

@@ -39,7 +39,7 @@ def expected_hits(detector, meshes):
     return {(a, b) for i, a in enumerate(names) for b in names[i + 1 :] if detector.any([meshes[a], meshes[b]])}
 
 
-def test_a_scene_of_trimesh_is_a_world(detector):
+def test_trimesh_scene_becomes_a_world_with_its_collisions(detector):
     given = scene()
     world = crumple.World.from_trimesh(given)
     assert sorted(world.names) == sorted(PLACED) and len(world.shapes) == 2
@@ -59,13 +59,13 @@ def test_a_scene_of_trimesh_is_a_world(detector):
     assert repr(world.shapes[0]).startswith("<crumple.Shape: ") and world.shapes[0].name is None
 
 
-def test_a_scene_that_is_taken_for_a_mesh_says_what_it_is(detector):
-    with pytest.raises(crumple.InvalidType, match=r"a world of bodies: crumple.World.from_trimesh, or .*to_mesh"):
+def test_error_explains_that_a_trimesh_scene_is_a_world(detector):
+    with pytest.raises(crumple.InvalidType, match=r"use crumple.World.from_trimesh\(scene\), or .*to_mesh"):
         detector.intersections(scene())
     assert detector.intersections(scene().to_mesh()) is not None
 
 
-def test_what_happens_to_trimesh_later_does_not_matter(detector):
+def test_later_changes_of_a_trimesh_scene_have_no_effect(detector):
     given = scene()
     world = crumple.World.from_trimesh(given)
     before = detector.intersections(world).pairs.tolist()
@@ -77,19 +77,19 @@ def test_what_happens_to_trimesh_later_does_not_matter(detector):
         world.shapes[0].mesh.vertices[0] = 0
 
 
-def test_what_bounds_nothing_is_left_out_of_a_scene(detector):
+def test_point_clouds_of_a_trimesh_scene_are_left_out(detector):
     trimesh = peer("trimesh")
     given = scene()
     given.add_geometry(trimesh.PointCloud(np.zeros((3, 3))), node_name="points")
     assert "points" not in crumple.World.from_trimesh(given).names
     assert len(crumple.World.from_trimesh(trimesh.Scene())) == 0
     for wrong in (trimesh.creation.box(), None, [1]):
-        with pytest.raises(crumple.InvalidType, match="a scene of trimesh is wanted, not "):
+        with pytest.raises(crumple.InvalidType, match="scene must be a trimesh.Scene, not "):
             crumple.World.from_trimesh(wrong)
 
 
 @pytest.mark.parametrize("extension", ["glb", "gltf"])
-def test_a_scene_comes_through_a_file(extension, tmp_path, detector):
+def test_gltf_file_of_a_trimesh_scene_gives_the_same_world(extension, tmp_path, detector):
     given = scene()
     path = tmp_path / f"model.{extension}"
     if extension == "glb":
@@ -112,7 +112,7 @@ def test_a_scene_comes_through_a_file(extension, tmp_path, detector):
     assert crumple.read_world(path).shapes[0].mesh.vertices.dtype == np.float32
 
 
-def test_bodies_travel_in_3mf(tmp_path, detector):
+def test_file_3mf_keeps_the_bodies_of_a_world(tmp_path, detector):
     given = crumple.World.from_trimesh(scene())
     result = detector.intersections(given)
     result.save(tmp_path / "hits.3mf")
@@ -147,7 +147,7 @@ def test_any_mesh_file_is_a_world_of_one_body(tmp_path, detector):
         crumple.read_world(tmp_path / "part.ply", precison="float64")
 
 
-def test_what_is_odd_about_a_file_is_a_warning(tmp_path):
+def test_oddities_of_a_file_are_warnings(tmp_path):
     (tmp_path / "odd.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 1 2 3 3\n")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -162,7 +162,7 @@ def test_what_is_odd_about_a_file_is_a_warning(tmp_path):
 
 @pytest.mark.parametrize("rows", [3, 4])
 @pytest.mark.parametrize("kind", ["npy", "csv", "txt"])
-def test_poses_come_from_files(kind, rows, tmp_path, detector):
+def test_poses_are_read_from_npy_csv_and_text(kind, rows, tmp_path, detector):
     poses = random_poses(np.random.default_rng(1), 10).reshape(5, 2, 3, 4)
     given = np.concatenate([poses, np.broadcast_to([0, 0, 0, 1.0], (5, 2, 1, 4))], axis=2)[:, :, :rows]
     path = tmp_path / f"poses.{kind}"
@@ -182,7 +182,7 @@ def test_poses_come_from_files(kind, rows, tmp_path, detector):
         crumple.read_poses(path, 3)
 
 
-def test_wrong_poses_of_files_name_the_body(tmp_path):
+def test_error_in_a_file_of_poses_names_the_body(tmp_path):
     path = tmp_path / "poses.csv"
     path.write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 3 + "1 0 0 0 0 1 0 0 0 0 nan 0\n")
     with pytest.raises(crumple.InvalidInput, match=r"row 3 \(configuration 1, body .?hand.?\): number 11 is not"):
@@ -194,7 +194,7 @@ def test_wrong_poses_of_files_name_the_body(tmp_path):
         crumple.read_poses(path, 0)
 
 
-def test_the_mesh_of_a_world_is_what_is_searched(detector):
+def test_mesh_of_a_world_has_the_pairs_of_the_world(detector):
     columns = random_columns(3)
     single = [shape._replace(vertices=shape.vertices.astype(np.float32)) for shape in columns.shapes]
     world = columns._replace(shapes=single, worlds=np.zeros(8, int)).world(named=False, self_collisions=True)
@@ -208,7 +208,7 @@ def test_the_mesh_of_a_world_is_what_is_searched(detector):
 
 
 @pytest.mark.parametrize("name", ["world.glb", "world.ply", "world.obj", "world.html"])
-def test_results_are_saved_coloured(name, tmp_path, detector):
+def test_result_of_a_world_is_saved_as_a_coloured_mesh(name, tmp_path, detector):
     world = crumple.World.from_trimesh(scene())
     result = detector.intersections(world, output="contacts")
     result.save(tmp_path / name)
@@ -233,7 +233,7 @@ def test_results_are_saved_coloured(name, tmp_path, detector):
         np.testing.assert_array_equal(red, detector.intersections(world, index=True).hit)
 
 
-def test_whole_bodies_are_coloured_where_only_they_are_known(tmp_path, detector):
+def test_body_pairs_are_saved_with_whole_bodies_coloured(tmp_path, detector):
     world = crumple.World.from_trimesh(scene())
     detector.intersections(world, output="body_pairs", filter=crumple.PairFilter(bodies="between")).save(
         tmp_path / "world.ply"
@@ -248,27 +248,27 @@ def red_faces(path, count):
     return colour[:, 0].astype(int) - colour[:, 2] > 50
 
 
-def test_what_cannot_be_saved_says_why(tmp_path, detector):
+def test_invalid_saves_are_refused(tmp_path, detector):
     world = crumple.World.from_trimesh(scene())
     with pytest.raises(crumple.InvalidInput, match="bodies was not requested"):
         detector.intersections(world, output="any").save(tmp_path / "world.glb")
     result = detector.intersections(world)
     with pytest.raises(crumple.InvalidInput, match="is saved as .ply"):
         result.save(tmp_path / "world.csv")
-    with pytest.raises(crumple.InvalidType, match="height is no option of .glb files"):
+    with pytest.raises(crumple.InvalidType, match="height is not an option of .glb files"):
         result.save(tmp_path / "world.glb", height=3)
     with pytest.raises(crumple.FileError):
         result.save(tmp_path / "none" / "world.glb")
 
 
-def test_a_result_of_configurations_is_painted_too(tmp_path, detector):
+def test_result_of_configurations_can_be_saved_as_glb(tmp_path, detector):
     base = crumple.World([soup(20, size=0.5)], [0, 0], worlds=[0, -1], names=["a", "table"], self_collisions=False)
     result = detector.intersections(base.configurations(random_poses(np.random.default_rng(1), 3, 3)[:, None]))
     result.save(tmp_path / "many.glb")
     assert crumple.read_world(tmp_path / "many.glb").names == ("a 0", "a 1", "a 2", "table")
 
 
-def test_pictures(tmp_path, detector):
+def test_result_of_a_world_can_be_saved_as_png(tmp_path, detector):
     peer("pyvista")
     detector.intersections(crumple.World.from_trimesh(scene()), output="contacts").save(tmp_path / "world.png")
     assert (tmp_path / "world.png").stat().st_size > 5000

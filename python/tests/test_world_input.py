@@ -60,10 +60,10 @@ MASKED = np.ma.masked_array(poses(), mask=with_entry(np.zeros((3, 3, 4), bool), 
         ({"poses": "none"}, "poses must"),
         ({"poses": OnDevice(poses()[:, ::-1])}, r"poses in CUDA memory must be \(n, 3, 4\)"),
         ({"end_poses": OnDevice(poses()[:, ::-1])}, r"end_poses in CUDA memory must be \(n, 3, 4\)"),
-        ({"groups": [1], "bodies": [crumple.Body(0)]}, "poses, groups, .* are those of each crumple.Body"),
+        ({"groups": [1], "bodies": [crumple.Body(0)]}, "poses, groups, .* must be given in each crumple.Body"),
     ],
 )
-def test_a_wrong_world_is_refused(arguments, message):
+def test_invalid_arguments_of_a_world_are_refused(arguments, message):
     given = {"shapes": [MESH], "bodies": [0, 0, 0], **arguments}
     if isinstance(given["bodies"], list) and len(given["bodies"]) != 3:
         given.setdefault("names", None)
@@ -75,7 +75,7 @@ def test_a_wrong_world_is_refused(arguments, message):
     "body, message",
     [
         (crumple.Body(MESH), "body 0: its shape must be an index, or one of the world's crumple.Shape, not Mesh"),
-        (crumple.Body(crumple.Shape(MESH)), "body 0: its shape must be an index, .*, not another one"),
+        (crumple.Body(crumple.Shape(MESH)), "body 0: its shape must be an index, .*, not another Shape"),
         (crumple.Body(0, np.eye(3)), r"body 0: its pose must have shape \(3, 4\) or \(4, 4\), .*not \(3, 3\)"),
         (
             crumple.Body(0, np.ones((4, 4))),
@@ -90,7 +90,7 @@ def test_a_wrong_world_is_refused(arguments, message):
         (crumple.Body(0, name=b"a"), "names must be str, but that of body 0 is bytes"),
     ],
 )
-def test_a_wrong_body_is_refused(body, message):
+def test_invalid_body_is_refused(body, message):
     with pytest.raises(crumple.InvalidInput, match=message):
         crumple.World([MESH], [body])
 
@@ -119,12 +119,12 @@ def test_a_wrong_body_is_refused(body, message):
         (lambda: three(worlds=[1, 0, 0]), r"body 1 \('hand'\): its world 0 comes after world 1", "body", 1),
         (
             lambda: three(worlds=[0, -1, 0]),
-            r"body 2 \('table'\): bodies that are in all worlds \(-1\) come last",
+            r"body 2 \('table'\): bodies that are in all worlds \(-1\) must come last",
             "body",
             2,
         ),
         (lambda: three(worlds=[-2, 0, 0]), r"body 0 \('arm'\): its world is -2", "body", 0),
-        (lambda: crumple.World([MESH], [0, 1]), "body 1: there is no shape 1; there are 1", "body", 1),
+        (lambda: crumple.World([MESH], [0, 1]), r"body 1: there is no shape 1 \(number of shapes: 1\)", "body", 1),
         (lambda: crumple.World([MESH], [-1]), "body 0: there is no shape -1", "body", 0),
         (
             lambda: crumple.World([MESH, MESH._replace(vertices=with_entry(MESH.vertices, (7, 1), np.inf))]),
@@ -140,14 +140,14 @@ def test_a_wrong_body_is_refused(body, message):
         ),
     ],
 )
-def test_a_search_names_body_and_shape(world, message, element, index, detector):
+def test_error_of_a_search_names_the_body_or_shape(world, message, element, index, detector):
     with pytest.raises(crumple.InvalidInput, match=message) as caught:
         detector.intersections(world())
     assert (caught.value.element, caught.value.index) == (element, index)
     assert detector.intersections(three()), "the detector stays usable"
 
 
-def test_errors_of_configurations_name_them(detector):
+def test_error_names_the_wrong_configuration(detector):
     base = three(worlds=[0, 0, -1])
     many = base.configurations(with_entry(poses(10).reshape(5, 2, 3, 4), (3, 1, 0, 0), np.nan))
     with pytest.raises(crumple.InvalidInput, match=r"body 7 \('hand' of configuration 3\): its pose is not finite"):
@@ -164,9 +164,9 @@ def test_errors_of_configurations_name_them(detector):
             base.configurations(wrong)
     with pytest.raises(crumple.InvalidInput, match=r"poses must have shape \(5, 2, 3, 4\)"):
         many.poses = poses(8).reshape(4, 2, 3, 4)
-    with pytest.raises(crumple.InvalidInput, match="none of configurations itself"):
+    with pytest.raises(crumple.InvalidInput, match="does not consist of configurations itself"):
         many.configurations(poses(10).reshape(5, 2, 3, 4))
-    with pytest.raises(crumple.InvalidInput, match="body 2: its world is 1; configurations are made of"):
+    with pytest.raises(crumple.InvalidInput, match="body 2: its world is 1; configurations need bodies"):
         three(worlds=[0, 0, 1]).configurations(poses(10).reshape(5, 2, 3, 4))
     with pytest.raises(crumple.InvalidInput, match="come last"):
         three(worlds=[0, -1, 0]).configurations(poses(10).reshape(5, 2, 3, 4))
@@ -178,7 +178,7 @@ def test_errors_of_configurations_name_them(detector):
         ([{"arm", "hnad"}], "excluded: there is no body 'hnad'; did you mean 'hand'"),
         ([{"arm", ""}], "excluded: there is no body ''"),
         ("arm", "excluded must be pairs of bodies, not str"),
-        (["arm"], "excluded must be pairs of bodies, such as {'arm', 'hand'}, but 'arm' is none"),
+        (["arm"], "excluded must be pairs of bodies, such as {'arm', 'hand'}, but 'arm' is not a pair"),
         ([{"arm", "hand", "table"}], "excluded must be pairs of bodies, such as"),
         ([("arm",)], "excluded must be pairs of bodies, such as"),
         ([(0, 3)], "excluded names body 3 of 3"),
@@ -194,12 +194,12 @@ def test_errors_of_configurations_name_them(detector):
         (7, "excluded must be pairs of bodies, not int"),
     ],
 )
-def test_a_wrong_exclusion_is_refused(excluded, message, detector):
+def test_invalid_excluded_bodies_are_refused(excluded, message, detector):
     with pytest.raises(crumple.InvalidInput, match=message):
         detector.intersections(three(), filter=crumple.PairFilter(excluded_bodies=excluded))
 
 
-def test_exclusions_in_many_forms(detector):
+def test_excluded_bodies_can_be_given_in_any_form(detector):
     world = three(self_collisions=True)
     every = {(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)}
 
@@ -235,7 +235,7 @@ def test_exclusions_in_many_forms(detector):
     ]
 
 
-def test_names_of_excluded_bodies_are_those_of_each_world(detector):
+def test_names_of_excluded_bodies_are_looked_up_in_each_world(detector):
     row = np.array([0, 1])
     by_name, by_row = (crumple.PairFilter(excluded_bodies=[pair]) for pair in (["arm", "hand"], row))
     row[:] = 1
@@ -267,23 +267,23 @@ def test_names_of_excluded_bodies_are_those_of_each_world(detector):
         ({"filter": crumple.PairFilter(excluded_groups=[1])}, "excluded_groups"),
     ],
 )
-def test_a_wrong_question_is_refused(arguments, message, detector):
+def test_invalid_query_is_refused(arguments, message, detector):
     with pytest.raises(crumple.InvalidInput, match=message):
         detector.intersections(three(), **arguments)
 
 
-def test_other_poses_are_one_for_each_body():
+def test_replaced_poses_must_be_one_for_each_body():
     with pytest.raises(crumple.InvalidInput, match=r"^poses must have shape \(3, 3, 4\)"):
         three().at(poses(2))
     with pytest.raises(crumple.InvalidInput, match=r"^end_poses must have shape \(3, 3, 4\)"):
         three().at(None, poses(2))
 
 
-def test_a_misspelt_question_is_suggested(detector):
+def test_error_suggests_the_correct_name_of_an_option(detector):
     with pytest.raises(TypeError, match=r"Detector.intersections\(\) got an .* 'neighbors'. Did you mean 'neighbours'"):
         detector.intersections(three(), neighbors="skip")
     part = detector.partition(MESH, count=1)[0]
-    with pytest.raises(crumple.InvalidInput, match="output must be pairs or contacts: these are what parts have"):
+    with pytest.raises(crumple.InvalidInput, match="output must be pairs or contacts for a part"):
         detector.intersections(part, output="any")
     with pytest.raises(crumple.InvalidType, match="a mesh must be .*, not numpy.ndarray"):
         detector.intersections(MESH.vertices)
@@ -299,7 +299,7 @@ def test_a_misspelt_question_is_suggested(detector):
         (1.5, "name must be a str, an int or None, not float"),
     ],
 )
-def test_a_wrong_name_is_refused(name, message):
+def test_invalid_name_of_a_shape_is_refused(name, message):
     with pytest.raises(crumple.InvalidInput, match=message):
         crumple.Shape(MESH, name=name)
 
@@ -324,20 +324,21 @@ def test_a_named_shape_is_read_once(name, detector):
 
 
 @pytest.mark.parametrize("other", [soup(21), soup(20, dtype=np.float64)], ids=["size", "precision"])
-def test_another_size_under_a_known_name_is_refused(other, detector):
+def test_different_shape_under_a_cached_name_is_refused(other, detector):
     detector.intersections(crumple.World([crumple.Shape(MESH, name="known")]))
-    with pytest.raises(crumple.InvalidInput, match="shape 0: what is named .* has 60 vertices, 20 triangles") as caught:
+    message = "shape 0: an earlier shape with the name 'known' had 60 float32 vertices and 20 triangles"
+    with pytest.raises(crumple.InvalidInput, match=message) as caught:
         detector.intersections(crumple.World([crumple.Shape(other, name="known")]))
     assert (caught.value.element, caught.value.index) == ("shape", 0)
 
 
-def test_a_message_spells_the_name_of_a_shape(detector):
+def test_error_names_the_shape(detector):
     detector.intersections(crumple.World([crumple.Shape(MESH, name="wheel")]))
-    with pytest.raises(crumple.InvalidInput, match="shape 0: what is named 'wheel' has 60 vertices"):
+    with pytest.raises(crumple.InvalidInput, match="an earlier shape with the name 'wheel' had 60 float32 vertices"):
         detector.intersections(crumple.World([crumple.Shape(soup(21), name="wheel")]))
 
 
-def test_bodies_of_points_alone_are_refused_where_a_pair_is_wanted(detector):
+def test_bodies_without_triangles_are_refused_unless_excluded(detector):
     dust = crumple.Shape(MESH.vertices, points=[0, 1])
     world = crumple.World([MESH, dust], names=["stone", "dust"])
     for ask in (detector.intersections, detector.distances):
@@ -347,13 +348,13 @@ def test_bodies_of_points_alone_are_refused_where_a_pair_is_wanted(detector):
     assert len(detector.proximities(world, radius=1))
 
 
-def test_names_are_of_a_process_and_numbers_no_strings(detector):
+def test_numbers_and_strings_are_different_names_of_shapes(detector):
     """The name "5" and the name 5 are different names."""
     detector.intersections(crumple.World([crumple.Shape(MESH, name="5")]))
     assert detector.intersections(crumple.World([crumple.Shape(soup(21, size=0.5), name=5)])) is not None
 
 
-def test_what_a_world_tells():
+def test_attributes_of_a_world_match_its_arguments():
     world = three(worlds=[0, 0, -1], groups=7)
     assert len(world) == 3 and world.names == ("arm", "hand", "table") and world.index("hand") == 1
     assert world.groups.tolist() == [7, 7, 7] and world.worlds.tolist() == [0, 0, -1]
@@ -372,7 +373,7 @@ def test_what_a_world_tells():
     assert repr(crumple.Shape(MESH, name="arm")) == "<crumple.Shape 'arm': 20 triangles>"
 
 
-def test_empty_worlds(detector):
+def test_empty_worlds_have_no_collisions(detector):
     for world in (crumple.World([]), crumple.World([MESH], []), crumple.World([(np.empty((0, 3)), [])])):
         result = detector.intersections(world, output="contacts", index=True)
         assert not result and len(result) == 0 and result.pairs.shape == (0, 2) and not result.hit.any()
@@ -381,7 +382,7 @@ def test_empty_worlds(detector):
     assert len(none) == 1 and detector.intersections(none, output="any_by_world").world_hit.tolist() == []
 
 
-def test_what_init_did_not_make_is_refused(detector):
+def test_uninitialised_worlds_and_shapes_are_refused(detector):
     for kind in (crumple.World, crumple.Shape):
         raw = kind.__new__(kind)
         with pytest.raises(crumple.InvalidInput, match="__init__ has not been called"):

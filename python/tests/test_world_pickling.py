@@ -57,7 +57,7 @@ def arrays_of(result):
 
 @pytest.mark.parametrize("query", QUERIES, ids=str)
 @pytest.mark.parametrize("name", WORLDS)
-def test_a_result_comes_back_whole(name, query, detector):
+def test_copied_or_pickled_result_is_equal_to_the_original(name, query, detector):
     result = detector.intersections(WORLDS[name], **query)
     for found in (pickle.loads(pickle.dumps(result)), copy.copy(result), copy.deepcopy(result)):
         assert type(found) is crumple.Intersections and repr(found) == repr(result) and bool(found) is bool(result)
@@ -69,7 +69,7 @@ def test_a_result_comes_back_whole(name, query, detector):
             assert len(found.contacts) == len(result.pairs)
 
 
-def test_worlds_come_back():
+def test_copied_or_pickled_worlds_are_equal_to_the_original():
     world = WORLDS["columns"]
     for found in (pickle.loads(pickle.dumps(world)), copy.copy(world), copy.deepcopy(world)):
         assert found is not world and found.names == world.names and [s.name for s in found.shapes]
@@ -80,7 +80,7 @@ def test_worlds_come_back():
     assert many.names == ("a", "b", "table") and many.originals.tolist() == [0, 1] * 5 + [2]
 
 
-def test_another_process_finds_the_same(detector, tmp_path):
+def test_pickled_world_gives_the_same_result_in_another_process(detector, tmp_path):
     result = detector.intersections(WORLDS["columns"], output="contacts")
     (tmp_path / "result").write_bytes(pickle.dumps(result))
     code = (
@@ -95,8 +95,8 @@ def test_another_process_finds_the_same(detector, tmp_path):
 @pytest.mark.parametrize(
     "field, value, message",
     [
-        ("bodies", np.array([[0, 99]], np.int32), "does not fit together"),
-        ("pairs", np.array([[0, 99]], np.int32), "does not fit together: pairs"),
+        ("bodies", np.array([[0, 99]], np.int32), "is inconsistent"),
+        ("pairs", np.array([[0, 99]], np.int32), "is inconsistent: pairs"),
         ("pairs", np.array([[0, 1]], np.int64), r"needs pairs as an array \(n, 2\) of int32"),
         ("pairs", [[0, 1]], r"needs pairs as an array \(n, 2\) of int32"),
         ("world_hit", np.array([True]), "world_hit"),
@@ -113,7 +113,7 @@ def test_another_process_finds_the_same(detector, tmp_path):
         ("statistics", None, "needs statistics as Statistics"),
     ],
 )
-def test_what_does_not_fit_together_is_refused(field, value, message, detector):
+def test_inconsistent_pickled_state_is_refused(field, value, message, detector):
     result = detector.intersections(WORLDS["columns"], output="contacts", index=True)
     assert arrays_of(restored(result)) == arrays_of(result)
     if field == "pairs" and isinstance(value, np.ndarray) and value.dtype == np.int32:
@@ -122,7 +122,7 @@ def test_what_does_not_fit_together_is_refused(field, value, message, detector):
         restored(result, **{field: lambda _: value})
 
 
-def test_a_result_needs_its_world(detector):
+def test_pickled_result_without_its_world_is_refused(detector):
     result = detector.intersections(WORLDS["columns"])
     restore, state = result.__reduce__()
     for wrong in ((*state[:3],), (*state[:3], None, None), (*state, None)):
@@ -140,7 +140,7 @@ class Reduced:
         return self.call
 
 
-def test_shapes_and_worlds_of_version_0_2_are_read():
+def test_pickled_shapes_and_worlds_of_version_0_2_are_read():
     vertices, faces, _ = soup(9, size=0.5)
     poses, moved = random_poses(np.random.default_rng(1), 2, 1), vertices + 1
     edges, radii = np.array([[0, 1]], np.int32), np.ones(27)

@@ -61,7 +61,7 @@ questions = st.fixed_dictionaries(
 
 @settings(max_examples=200, deadline=None)
 @given(worlds(), questions, st.lists(st.tuples(st.integers(0, 4), st.integers(0, 4)), max_size=3), st.booleans())
-def test_brute_force_agrees(columns, question, excluded, named):
+def test_random_worlds_match_brute_force(columns, question, excluded, named):
     n = len(columns["bodies"])
     excluded = [pair for pair in excluded if max(pair) < n]
     columns = dict(columns)

@@ -23,7 +23,7 @@ from worlds import random_poses
         ("backend='reference'", "any", "'ball'", 100),
     ],
 )
-def test_interrupt_cuts_a_call_short(options, output, name, count):
+def test_interrupt_ends_a_search_early(options, output, name, count):
     """In each of many configurations, one ball is inside another: their boxes overlap, but nothing collides."""
     program = f"""
         import signal, crumple
@@ -65,7 +65,7 @@ def test_cancel_ends_the_call_of_another_thread():
     assert failures == ["cancelled"]
 
 
-def test_threads_share_worlds_and_detectors():
+def test_threads_can_share_worlds_and_detectors():
     """Each call searches with the poses it was given, even if other threads change the poses of the world meanwhile."""
     random = np.random.default_rng(1)
     world = crumple.World([crumple.Shape(soup(40, size=0.5), name="shared")], [0, 0, 0], self_collisions=False)
@@ -87,7 +87,7 @@ def test_threads_share_worlds_and_detectors():
         assert all(pool.map(search, range(8)))
 
 
-def test_poses_that_are_replaced_meanwhile_stay_until_the_call_ends():
+def test_poses_replaced_during_a_call_do_not_change_its_result():
     """If poses were freed during a call, the result would change or the process crash."""
     base = crumple.World([soup(60, size=0.5)], [0], worlds=[0], self_collisions=True)
     poses = random_poses(np.random.default_rng(2), 500, 9).reshape(500, 1, 3, 4)

@@ -34,7 +34,7 @@ def assert_same(found, expected):
 
 @pytest.mark.parametrize("question", QUESTIONS, ids=str)
 @pytest.mark.parametrize("seed", range(4))
-def test_brute_force_agrees(seed, question, detector, reference):
+def test_worlds_match_brute_force(seed, question, detector, reference):
     columns = random_columns(seed)
     expected = reference.intersections(columns.world(named=False), output="contacts", index=True, **question)
     assert seed > 0 or question or expected, "something must collide"
@@ -44,7 +44,7 @@ def test_brute_force_agrees(seed, question, detector, reference):
 
 
 @pytest.mark.parametrize("named", [False, True])
-def test_less_is_the_same_as_all_cut_short(named, detector):
+def test_smaller_outputs_agree_with_all_pairs(named, detector):
     world = random_columns(5).world(named=named)
     every = detector.intersections(world, index=True)
     assert every.world_hit.any()
@@ -61,7 +61,7 @@ def test_less_is_the_same_as_all_cut_short(named, detector):
         assert len(rows) == count and set(world.worlds[rows].ravel()) <= {w, -1}
 
 
-def test_one_body_in_place_is_a_soup_and_two_are_two_meshes(detector):
+def test_unposed_bodies_give_the_results_of_their_meshes(detector):
     a, b = soup(200, size=0.4), soup(150, size=0.4, seed=2)
     alone, both = crumple.World([a], self_collisions=True), crumple.World([a, b], self_collisions=False)
     expected = detector.intersections(a, output="contacts")
@@ -81,7 +81,7 @@ def test_one_body_in_place_is_a_soup_and_two_are_two_meshes(detector):
 
 
 @pytest.mark.parametrize("named", [False, True])
-def test_configurations_are_a_loop(named, detector):
+def test_configurations_give_the_results_of_a_loop(named, detector):
     random = np.random.default_rng(3)
     shape = crumple.Shape(soup(20, size=0.5), name="of configurations" if named else None)
     names = ["upper", "lower", "hand", "table", "wall"]
@@ -120,7 +120,7 @@ def test_configurations_are_a_loop(named, detector):
     assert names == {"upper", "lower", "hand", "table", "wall"} and ("upper", "lower") not in every.names
 
 
-def test_configurations_get_other_poses(detector):
+def test_poses_of_configurations_can_be_replaced(detector):
     random = np.random.default_rng(4)
     base = crumple.World([soup(20, size=0.5)], [0, 0, 0], worlds=[0, 0, -1], self_collisions=False)
     one, other = random_poses(random, 40).reshape(2, 10, 2, 3, 4)
@@ -167,7 +167,7 @@ class Dlpack:
     ],
     ids=["square", "fortran", "dlpack", "reversed", "strided", "lists", "big endian", "no mask", "square dlpack"],
 )
-def test_poses_come_in_many_forms(given, detector):
+def test_poses_can_have_any_layout(given, detector):
     columns = random_columns(6)
     expected = detector.intersections(columns.world())
     assert expected
@@ -178,7 +178,7 @@ def test_poses_come_in_many_forms(given, detector):
         np.testing.assert_array_equal(found.pairs, expected.pairs)
 
 
-def test_single_precision_and_integers_are_poses(detector):
+def test_poses_can_be_float32_or_integers(detector):
     world = crumple.World([soup(30, size=0.5)], [0, 0], self_collisions=False)
     poses = np.zeros((2, 3, 4), int)
     poses[:, range(3), range(3)], poses[1, 0, 3] = 1, 0
@@ -190,7 +190,7 @@ def test_single_precision_and_integers_are_poses(detector):
         detector.intersections(world.at(poses.astype(np.float16)))
 
 
-def test_poses_are_read_where_they_lie(detector):
+def test_changes_of_the_array_of_poses_affect_the_next_search(detector):
     """A search uses the poses that were written into the array since the previous search."""
     world = crumple.World([soup(30, size=0.5)], [0, 0], self_collisions=False)
     poses = np.tile(np.eye(3, 4), (2, 1, 1))
@@ -202,7 +202,7 @@ def test_poses_are_read_where_they_lie(detector):
     assert world.poses is None and detector.intersections(world)
 
 
-def test_bodies_one_by_one_are_the_same_as_columns(detector):
+def test_body_objects_and_columns_give_the_same_result(detector):
     columns = random_columns(7)
     shapes = [crumple.Shape(shape) for shape in columns.shapes]
     bodies = [
@@ -224,7 +224,7 @@ def test_bodies_one_by_one_are_the_same_as_columns(detector):
     )
 
 
-def test_a_result_outlives_everything(detector):
+def test_arrays_outlive_result_and_detector(detector):
     result = detector.intersections(random_columns(8).world(), output="contacts", index=True)
     arrays = {name: getattr(result, name) for name in ARRAYS}
     points = result.contacts.points
@@ -240,7 +240,7 @@ def test_a_result_outlives_everything(detector):
     np.testing.assert_array_equal(points, before[1])
 
 
-def test_frames_go_back_and_forth_between_two_memories(detector):
+def test_repeated_searches_alternate_between_two_buffers(detector):
     world, places = random_columns(8).world(), set()
     for _ in range(8):
         result = detector.intersections(world)
@@ -250,7 +250,7 @@ def test_frames_go_back_and_forth_between_two_memories(detector):
     assert len({pairs.ctypes.data for pairs in held}) == 4
 
 
-def test_arrays_may_go_once_the_world_is_made(detector):
+def test_world_keeps_its_arrays_alive(detector):
     def made():
         columns = random_columns(9)
         return columns.world(named=False), detector.intersections(columns.world()).pairs.tolist()
@@ -260,14 +260,14 @@ def test_arrays_may_go_once_the_world_is_made(detector):
     assert detector.intersections(world).pairs.tolist() == expected and expected
 
 
-def test_copies_may_be_written_to(detector):
+def test_copied_results_can_be_written_to(detector):
     result = detector.intersections(random_columns(10).world(), index=True, copy=True)
     result.pairs[:] = 0
     result.hit[:] = False
     assert not result.pairs.any()
 
 
-def test_what_was_not_asked_for_says_how_to_ask(detector):
+def test_error_explains_how_to_request_a_missing_array(detector):
     world = random_columns(11).world()
     nothing = detector.intersections(world, output="any")
     for name in ("count", "bodies", "pairs", "world_hit", "world_counts", "hit", "body_offsets"):
@@ -278,7 +278,7 @@ def test_what_was_not_asked_for_says_how_to_ask(detector):
         _ = detector.intersections(world).hit
 
 
-def test_a_memory_limit_holds():
+def test_sufficient_memory_limit_gives_the_same_result():
     world = random_columns(12, bodies=30).world()
     expected = crumple.Detector().intersections(world).pairs
     enough = crumple.Detector(memory_limit=sufficient_limit(lambda detector: detector.intersections(world), 10_000))

@@ -33,9 +33,9 @@ def faults(path: Path, version: str, checkout: Path) -> list[str]:
     found += [f"{name} is in it" for name in sorted(folders - FOLDERS)]
     found += [f"{name} is in it" for name in inside if name.startswith(LEFT_OUT)]
     if f"\nVersion: {version}\n" not in about:
-        found.append(f"its metadata is not of version {version}")
+        found.append(f"its metadata does not have the version {version}")
     if path.stat().st_size > LARGEST:
-        found.append(f"it takes {path.stat().st_size:,} bytes, of which {LARGEST:,} are allowed")
+        found.append(f"it has {path.stat().st_size:,} bytes, but at most {LARGEST:,} are allowed")
     print(f"{path.name}: {path.stat().st_size:,} bytes, {len(inside)} files")
     return found
 

@@ -20,7 +20,7 @@ def faults(path: Path, version: str) -> list[str]:
     found = []
     parts = path.stem.split("-")
     if path.suffix != ".whl" or len(parts) != 5 or not path.is_file():
-        return [f"{path} is no wheel"]
+        return [f"{path} is not a wheel"]
     _, of, _, abi, platform = parts
     cuda = "cuda" in path.name
     with zipfile.ZipFile(path) as wheel:
@@ -37,7 +37,7 @@ def faults(path: Path, version: str) -> list[str]:
     hold(bool(tag) and tuple(map(int, tag.groups())) <= NEWEST, f"its platform is {platform}, beyond manylinux_2_34")
     hold(
         cuda or path.stat().st_size < LARGEST,
-        f"it takes {path.stat().st_size:,} bytes, of which {LARGEST:,} are allowed",
+        f"it has {path.stat().st_size:,} bytes, but at most {LARGEST:,} are allowed",
     )
     libraries = sorted(name.split("/")[-1] for name in files if ".libs/" in name and not name.endswith("/"))
     hold(any(name.startswith("libtbb-") for name in libraries), "oneTBB is not in it")
@@ -50,7 +50,7 @@ def faults(path: Path, version: str) -> list[str]:
     hold(program is not None and bool(program.external_attr >> 16 & 0o111), "the command line cannot be executed")
     hold(not abi.startswith("abi3") or "crumple/_core.abi3.so" in files, "_core is not of the stable ABI")
     hold("Apache License" in licences.get("LICENSE", ""), "the Apache licence is missing")
-    hold("libtbb" in licences.get("THIRD_PARTY_LICENSES.txt", ""), "the licences of others are missing")
+    hold("libtbb" in licences.get("THIRD_PARTY_LICENSES.txt", ""), "third-party licences are missing")
     hold(cuda == ("Classifier: Private :: Do Not Upload" in metadata), "only wheels with cuda are marked as private")
     print(f"{path.name}: {path.stat().st_size:,} bytes; {', '.join(libraries)}")
     return found

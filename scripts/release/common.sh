@@ -16,7 +16,7 @@ fail() { echo "release: $1" >&2; exit 1; }
 quietly() {
     local log=$1
     shift
-    "$@" >"$log" 2>&1 || { tail -n 100 "$log" >&2; fail "$* failed; all that it said is in $log"; }
+    "$@" >"$log" 2>&1 || { tail -n 100 "$log" >&2; fail "$* failed; its output is in $log"; }
 }
 version_of() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])'; }
 # environment FOLDER PYTHON PACKAGES...: makes a virtual environment with these packages.

@@ -44,7 +44,7 @@ def libraries(elf: Path) -> set[Path]:
     lines = [line.split() for line in output("ldd", str(elf)).splitlines() if "=>" in line]
     missing = [line[0] for line in lines if line[2] == "not"]
     if missing:
-        sys.exit(f"licences.py: {elf} does not find {', '.join(missing)}")
+        sys.exit(f"licences.py: {elf} needs libraries that are missing: {', '.join(missing)}")
     return {Path(line[2]) for line in lines}
 
 
@@ -132,7 +132,7 @@ def texts(paths: set[Path]) -> dict[str, str]:
         found[package] = text
     empty = [name for name, text in found.items() if not text.strip()]
     if strangers or empty:
-        sys.exit("licences.py: no licence is known of " + ", ".join(strangers[:5] + empty))
+        sys.exit("licences.py: no licence is known for " + ", ".join(strangers[:5] + empty))
     return found
 
 

@@ -13,6 +13,6 @@ for before, after in (
     ("classifiers = [\n", 'classifiers = [\n    "Private :: Do Not Upload",\n'),
 ):
     if text.count(before) != 1:
-        sys.exit(f"rename.py: {path} has not one line {before!r}")
+        sys.exit(f"rename.py: {path} must have the line {before!r} exactly once")
     text = text.replace(before, after)
 path.write_text(text)

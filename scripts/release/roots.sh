@@ -88,6 +88,6 @@ package() {
 bare bookworm
 wheel
 deb=$(compgen -G "$dist/crumple_*.deb" || true)
-if [[ $deb ]]; then package; else echo "No package in $dist, so none is tried"; fi
+if [[ $deb ]]; then package; else echo "There is no Debian package in $dist, so none is tested"; fi
 bare trixie
 wheel

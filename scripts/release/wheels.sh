@@ -58,7 +58,7 @@ try() {
 try_baseline() {
     local program folder
     if ! command -v qemu-x86_64-static >/dev/null; then
-        echo "Not tried on an old processor, for qemu-x86_64-static is missing (apt install qemu-user-static)"
+        echo "Not tested on an old processor, because qemu-x86_64-static is missing (apt install qemu-user-static)"
         return
     fi
     program=$(echo "$1"/lib/python*/site-packages/crumple/crumple)
@@ -68,7 +68,7 @@ try_baseline() {
     qemu-x86_64-static -cpu qemu64 "$program" detect "$folder/cloth.ply" -o "$folder/there.csv" --backend cpu
     cmp "$folder/here.csv" "$folder/there.csv"
     rm -r "$folder"
-    echo "The same pairs on a processor without SSE4"
+    echo "A processor without SSE4 finds the same pairs"
 }
 
 unpack

@@ -24,11 +24,10 @@ namespace {
 }  // namespace
 
 void fail_unprepared_capture(bool of_worlds) {
-    throw Error(
-        ErrorCode::invalid_argument,
-        std::string("a launch in a capture needs two calls before it, outside of the capture, with ") +
-            (of_worlds ? "the same bodies and the same question" : "meshes of the same shape and the same query") +
-            ": they make its lists");
+    throw Error(ErrorCode::invalid_argument,
+                std::string("a launch in a capture needs two calls before it, outside of the capture, with ") +
+                    (of_worlds ? "the same bodies and the same query" : "meshes of the same sizes and the same query") +
+                    ": they allocate its lists");
 }
 
 void BackendBase::stream(const PreparedScene&, const IntersectionQuery&, PairStream&, Statistics&) { refuse_blocks(); }

@@ -203,8 +203,9 @@ bool StaticWorlds::is_of(const World& world, const PairFilter& rules) const {
         const bool fits = same_size(given, known);
         if (given.name != 0 && given.name == known.name && !fits)
             throw Error(ErrorCode::invalid_argument,
-                        "shape " + std::to_string(s) + ": what is named " + std::to_string(given.name) +
-                            " had another size or precision; a named shape stays as it is",
+                        "shape " + std::to_string(s) + ": an earlier shape with the name " +
+                            std::to_string(given.name) +
+                            " had another size or precision; a changed shape needs another name",
                         Element::shape, static_cast<std::int64_t>(s));
         same = same && fits && given.name == known.name && given.groups.size() == known.groups.size();
         if (!same) continue;

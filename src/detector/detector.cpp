@@ -45,15 +45,16 @@ struct Detector::Implementation : MeshCalls {
         const bool on_cuda = working == Backend::cuda;
         if constexpr (intersections) {
             if (query.containment && on_cuda) return "containment needs the cpu backend (Options::backend)";
-            if (query.containment && !two && !world) return "containment is that of bodies: a world, or two meshes";
+            if (query.containment && !two && !world) return "containment needs bodies: a world or two meshes";
         }
         if (distances && on_cuda) return "distances of bodies need the cpu backend (Options::backend)";
         if (overlaps && on_cuda) return "overlaps of bodies need the cpu backend (Options::backend)";
-        if (distances && mesh) return "distances are those of bodies: a world, or two meshes";
+        if (distances && mesh) return "distances need bodies: a world or two meshes";
         if ((distances || overlaps || OneOf<Query, CandidateQuery, FreeStepQuery>)&&!mesh && !two && !world)
-            return "parts know intersections, impacts and proximities";
+            return "parts support only intersections, impacts and proximities";
         if (some_on_device && !on_cuda) return "meshes in device memory need the cuda backend (Options::backend)";
-        if (some_on_device && two && !intersections) return "two meshes lie in host memory, except for intersections";
+        if (some_on_device && two && !intersections)
+            return "two meshes must be in host memory, except for intersections";
         if (world && lies_on_device(*world) && !on_cuda)
             return "poses in device memory need the cuda backend (Options::backend)";
         return "";
@@ -140,7 +141,7 @@ struct Detector::Implementation : MeshCalls {
         const auto of_part = [&](const Part* part) -> const Result& {
             if constexpr (intersections) {
                 if (query.output != Output::pairs && query.output != Output::contacts)
-                    refuse("output must be pairs or contacts: these are what parts have");
+                    refuse("output must be pairs or contacts for a part");
                 const MeshView first = part->mesh.view(), second = part->second ? part->second->view() : MeshView();
                 return find_pairs(first, part->second ? &second : nullptr, part, query, std::move(stop));
             } else if constexpr (std::same_as<Query, ImpactQuery> || std::same_as<Query, ProximityQuery>) {
@@ -195,7 +196,9 @@ struct Detector::Implementation : MeshCalls {
         const auto of_world = [&](const World& world) {
             return stream(as_read<Query>(world), query, take, block_rows, std::move(stop));
         };
-        const auto of_part = [&](const Part*) -> Statistics { refuse("blocks are not made of parts"); };
+        const auto of_part = [&](const Part*) -> Statistics {
+            refuse("parts are not supported in blocks; use find()");
+        };
         return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
     }
 
@@ -206,9 +209,9 @@ struct Detector::Implementation : MeshCalls {
             const auto* two = std::get_if<TwoMeshes>(&scene.source());
             if (mesh) return partition(*mesh, nullptr, count, std::move(stop));
             if (two) return partition(two->a, &two->b, count, std::move(stop));
-            refuse("parts are made of one mesh or two");
+            refuse("only one mesh or two meshes can be cut into parts");
         } else {
-            if (!mesh) refuse("parts for a query about features are made of one mesh");
+            if (!mesh) refuse("only one mesh can be cut into parts for a query about features");
             return partition(*mesh, query, count, std::move(stop));
         }
     }
@@ -222,9 +225,9 @@ struct Detector::Implementation : MeshCalls {
             if (world) return launch(as_read<Query>(*world), query);
             if (mesh) return launch(*mesh, nullptr, query);
             if (two) return launch(two->a, &two->b, query);
-            refuse("parts are not launched");
+            refuse("launches do not support parts; use find()");
         } else {
-            if (!mesh) refuse("launches about features take one mesh in device memory");
+            if (!mesh) refuse("a launch of a query about features needs one mesh in device memory");
             return launch(*mesh, query);
         }
     }

@@ -35,10 +35,11 @@ void WorldCalls::refuse(const char* message) {
 }
 void WorldCalls::require_host(const MeshView& mesh) {
     if (mesh.memory != MemorySpace::host)
-        refuse("blocks and parts of features, and worlds, are made of meshes in host memory");
+        refuse("meshes must be in host memory for blocks and parts of features, and if they are handled as bodies");
 }
 Shape WorldCalls::shape_of(const MeshView& mesh, const ImpactQuery&) {
-    if (!mesh.end.data && mesh.end.rows == 0 && mesh.vertices.rows > 0) refuse("the vertices at the end are missing");
+    if (!mesh.end.data && mesh.end.rows == 0 && mesh.vertices.rows > 0)
+        refuse("the vertices at the end are missing; a query about motion needs them");
     if (mesh.vertices.rows > most_moving_vertices) refuse(too_many_moving_vertices);
     return Shape(mesh);
 }
@@ -124,7 +125,7 @@ LaunchNumber WorldCalls::launch(const MeshView& mesh, const Query& query) {
     return run_launch([&] {
         check_query_options(query, false);
         check_groups(query.filter, mesh.triangles.rows, !mesh.groups.empty());
-        check(mesh.memory != MemorySpace::host, "launches take meshes in device memory");
+        check(mesh.memory != MemorySpace::host, "launches need meshes in device memory");
         return features.launch(*backend, there, query);
     });
 }

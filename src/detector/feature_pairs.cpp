@@ -34,8 +34,8 @@ class PairPoints {
                   view.type == ScalarType::float32} {
         if (rows_ >= 0 && rows_ % static_cast<std::int64_t>(points_) == 0) return;
         throw Error(ErrorCode::invalid_argument,
-                    std::string(name) + " must have " + std::to_string(points_) + " points a pair, and " +
-                        std::to_string(rows_) + " are no multiple of that",
+                    std::string(name) + " must have " + std::to_string(points_) + " rows per pair, and " +
+                        std::to_string(rows_) + " is not a multiple of " + std::to_string(points_),
                     Element::option);
     }
 
@@ -77,7 +77,7 @@ void for_each_pair(std::size_t pairs, int threads, std::stop_token stop, Decide 
 }
 
 FeatureKinds checked(FeatureKind kind) {
-    check(static_cast<int>(kind) < feature_kinds, "kind names a kind of features that there is not");
+    check(static_cast<int>(kind) < feature_kinds, "kind must be a value of FeatureKind");
     return kinds_of(kind);
 }
 

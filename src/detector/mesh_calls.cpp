@@ -86,7 +86,7 @@ Statistics MeshCalls::stream(const MeshView& a, const MeshView* b, const Interse
         [&](const PreparedScene& scene) {
             stream_pairs(*backend, scene, query, block_rows, meter, cancellation, count, statistics);
         },
-        [] { check(false, "blocks are made of meshes in host memory"); });
+        [] { check(false, "meshes must be in host memory for blocks"); });
     statistics.triangles = a.triangles.rows + (b ? b->triangles.rows : 0);
     statistics.pairs = pairs;
     statistics.peak_memory_bytes = meter.peak;
@@ -97,16 +97,16 @@ Statistics MeshCalls::stream(const MeshView& a, const MeshView* b, const Interse
 LaunchNumber MeshCalls::launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query) {
     return run_launch([&] {
         check_query(a, b, query);
-        check(!query.containment, "containment must be false: launches find the surfaces that meet");
+        check(!query.containment, "containment must be false: launches do not support it");
         if (a.memory == MemorySpace::host)
-            throw Error(ErrorCode::invalid_argument, "launches take meshes in device memory");
+            throw Error(ErrorCode::invalid_argument, "launches need meshes in device memory");
         return backend->launch(a, b, query);
     });
 }
 
 LaunchNumber MeshCalls::launch(const World& world, const IntersectionQuery& query) {
     return run_launch([&] {
-        check(lies_on_device(world) || world.bodies.empty(), "launch takes worlds whose poses lie in device memory");
+        check(lies_on_device(world) || world.bodies.empty(), "launches of worlds need poses in device memory");
         check_query_options(query);
         check_device_poses(world);
         check_on_device(query);

@@ -76,7 +76,7 @@ const Distances& WorldCalls::find(const World& world, const DistanceQuery& query
     bool low_memory = false;
     const auto attempt = [&] {
         check_query_options(query);
-        check_bodies_have_triangles(world, query.filter, false, "distances of bodies are those of triangles");
+        check_bodies_have_triangles(world, query.filter, false, "only triangles count for distances");
         const PosedOnHost there(*backend, world);
         if (working == Backend::reference)
             find_nearest_by_brute_force(there.world(), query, meter, cancellation, nearest_search);

@@ -91,7 +91,7 @@ void check_each_once(MessageBatches& batches, CollectiveCheck& agree, const Ids&
             if (first < 0) first = static_cast<std::int32_t>(i);
         }
         if (twice < ids.all)
-            refuse("triangle " + std::to_string(twice) + " is brought twice, by rank " + std::to_string(by[0]) +
+            refuse("triangle " + std::to_string(twice) + " is provided twice, by rank " + std::to_string(by[0]) +
                        " and by rank " + std::to_string(by[1]),
                    Element::triangle, twice);
     });
@@ -123,7 +123,8 @@ void GhostVertices::learn(MessageBatches& batches, CollectiveCheck& agree, const
         const std::int64_t end = std::min(block_size_, ids.all - block_begin_);
         for (std::int64_t i = 0; i < end; ++i)
             if (ranks_with[static_cast<std::size_t>(i)] == 0)
-                refuse("no rank brings vertex " + std::to_string(block_begin_ + i), Element::vertex, block_begin_ + i);
+                refuse("no rank provides vertex " + std::to_string(block_begin_ + i), Element::vertex,
+                       block_begin_ + i);
     });
     Traffic back(ranks);
     back.out = traffic.in, back.in = traffic.out;
@@ -198,8 +199,8 @@ void GhostVertices::check_copies(MessageBatches& batches, CollectiveCheck& agree
         });
     agree(Phase::ids, [&] {
         if (differs < all_)
-            refuse("the copies of vertex " + std::to_string(differs) + when + " on rank " + std::to_string(ranks[0]) +
-                       " and on rank " + std::to_string(ranks[1]) + " differ",
+            refuse("the coordinates of vertex " + std::to_string(differs) + when + " differ between rank " +
+                       std::to_string(ranks[0]) + " and rank " + std::to_string(ranks[1]),
                    Element::vertex, differs);
     });
 }

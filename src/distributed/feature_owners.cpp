@@ -142,7 +142,9 @@ void FeatureOwners::own_edges(MessageBatches& batches, CollectiveCheck& agree, c
     std::vector<std::int64_t> first;
     std::vector<std::int32_t> slots;
     agree(Phase::ids, [&] {
-        if (m > nobody / 3) throw Error(ErrorCode::invalid_argument, "a rank may bring 715827882 triangles at most");
+        if (m > nobody / 3)
+            throw Error(ErrorCode::invalid_argument,
+                        "a rank can have at most 715827882 triangles in a query about features; use more ranks");
         first.assign(static_cast<std::size_t>(ranks) + 1, 0);
         const auto each = [&](auto visit) {
             for (std::int32_t slot = 0; slot < 3 * m; ++slot) {
@@ -165,7 +167,8 @@ void FeatureOwners::own_edges(MessageBatches& batches, CollectiveCheck& agree, c
             agree(Phase::ids, [&] {
                 if (sides.size() > static_cast<std::size_t>(nobody))
                     throw Error(ErrorCode::invalid_argument,
-                                "a rank keeps the books of more than 2147483647 sides of triangles: take more ranks");
+                                "a rank has more than 2147483647 sides of triangles in the distributed directory; use "
+                                "more ranks");
                 numbered.resize(sides.size());
                 order.resize(sides.size());
                 for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);

@@ -19,8 +19,8 @@ namespace {
 
 void check_total(std::int64_t total, const char* what) {
     if (total > most_ids)
-        throw Error(ErrorCode::invalid_argument, "the bodies of all ranks have " + std::to_string(total) + " " + what +
-                                                     " together, and at most 2147483647 may be");
+        throw Error(ErrorCode::invalid_argument, "all ranks together have " + std::to_string(total) + " " + what +
+                                                     "; at most 2147483647 are supported");
 }
 
 template <class Coordinates>
@@ -93,7 +93,7 @@ void Bodies::outline(const LocalWorld& share, const PairFilter& rules, bool movi
 
 void Bodies::read_share(const LocalWorld& share, const PairFilter& rules, bool moving) {
     // The outline does not get the excluded pairs of bodies, because they have numbers over all ranks.
-    check(!lies_on_device(share.world), "poses of ranks lie in host memory");
+    check(!lies_on_device(share.world), "poses must be in host memory: ranks do not support poses in device memory");
     PairFilter known;
     known.bodies = rules.bodies, known.groups = rules.groups;
     outline_.read(share.world, known);
@@ -108,7 +108,7 @@ void Bodies::read_share(const LocalWorld& share, const PairFilter& rules, bool m
     for (std::int32_t b = 0; b < bodies; ++b) {
         const Shape& shape = outline_.shape(b);
         check_shape(shape, b);
-        if (outline_.body(b).world != 0) refuse_body(b, ": its world must be 0, for ranks share one world");
+        if (outline_.body(b).world != 0) refuse_body(b, ": its world must be 0, because all ranks share one world");
         float32 = float32 && shape.vertices.type == ScalarType::float32 &&
                   (!moving || !shape.end.data || shape.end.type == ScalarType::float32);
         vertices += shape.vertices.rows;
@@ -129,9 +129,9 @@ void Bodies::read_share(const LocalWorld& share, const PairFilter& rules, bool m
 }
 
 void Bodies::check_shape(const Shape& shape, std::int32_t body) const {
-    if (shape.edges || shape.points) refuse_body(body, ": ranks do not read a shape's list of edges or points");
-    if (!shape.radii.empty()) refuse_body(body, ": ranks take one radius, and none of a shape's vertices");
-    if (shape.rest.data || shape.rest.rows != 0) refuse_body(body, ": ranks take no shape at rest");
+    if (shape.edges || shape.points) refuse_body(body, ": ranks do not support a shape's list of edges or points");
+    if (!shape.radii.empty()) refuse_body(body, ": ranks do not support a shape's radii; use the radius of the query");
+    if (shape.rest.data || shape.rest.rows != 0) refuse_body(body, ": ranks do not support rest shapes");
 }
 
 void Bodies::number(Transport& transport, CollectiveCheck& agree) {
@@ -159,7 +159,8 @@ bool Bodies::resolve_body_ids(Transport& transport, CollectiveCheck& agree) {
     std::vector<std::pair<std::int64_t, Row>> rows;
     agree(Phase::input, [&] {
         check_total(all, "bodies");
-        check(!ids || !given_.empty() || outline_.bodies() == 0, "another rank gives body ids, and this one has none");
+        check(!ids || !given_.empty() || outline_.bodies() == 0,
+              "body_ids are missing on this rank, but another rank has them");
         for (std::int32_t b = 0; b < outline_.bodies(); ++b) {
             const std::int64_t id = id_of(b);
             if (id < 0 || id >= all)
@@ -199,8 +200,8 @@ void Bodies::tabulate(Transport& transport, CollectiveCheck& agree) {
         for (std::size_t b = 0; b < table_.size(); ++b) {
             const std::int64_t* const of = numbers.data() + 5 * b;
             const auto id = static_cast<std::int64_t>(b);
-            if (of[0] == 0) refuse_body(id, " is missing: no rank brings it");
-            if (of[0] > 1) refuse_body(id, " is brought " + std::to_string(of[0]) + " times");
+            if (of[0] == 0) refuse_body(id, " is missing: no rank provides it");
+            if (of[0] > 1) refuse_body(id, " is provided " + std::to_string(of[0]) + " times");
             table_[b] = {of[0], of[1], of[2], of[3], of[4]};
             first_triangle_.push_back(first_triangle_.back() + table_[b].triangles);
             first_vertex_.push_back(first_vertex_.back() + table_[b].vertices);
@@ -227,7 +228,7 @@ void Bodies::exchange_filters() {
     group_filter_ = {};
     if (by_groups_) {
         check(all_self && rules_.bodies == PairScope::both && rules_.excluded_bodies.empty(),
-              "rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
+              "ranks support a filter of groups or a filter of bodies (including Body::self), not both");
         group_filter_.groups = rules_.groups;
         group_filter_.excluded_groups = rules_.excluded_groups;
         return;

@@ -39,7 +39,7 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
       clock_(time_of_day),
       share_(nullptr) {
     check_(Phase::query, [&] {
-        check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (chosen) to 262144");
+        check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (automatic) to 262144");
         check(options.batch_bytes >= 1024, "batch_bytes must be at least 1024");
         check(options.detector.devices.empty(), "devices must be empty: a rank has one device");
         engine_.emplace(options_.detector);
@@ -125,7 +125,7 @@ void RankDetector::check_query_of_ranks(const LocalMesh& share, const VertexView
     reduce(counts_, Reduction::sum);
     check_(Phase::query, [&] {
         for (std::size_t i = 0; i < n; ++i)
-            check(told[i] == -told[n + i], "the ranks ask different questions, or have different options");
+            check(told[i] == -told[n + i], "the query and the options must be the same on all ranks");
         std::int64_t triangles = 0;
         for (std::size_t r = 0; r < counts_.size(); r += 2) triangles += counts_[r];
         check(!asked_.between_groups || groups_ || triangles == 0,
@@ -173,8 +173,9 @@ void RankDetector::read(const LocalMesh& share, const VertexView* end) {
             for (std::size_t r = 1; r < counts_.size(); r += 2) brought += counts_[r];
             if (-least[6] < brought) return;
             throw Error(ErrorCode::invalid_argument,
-                        "there is a vertex with the id " + std::to_string(-least[6]) + ", but all ranks bring " +
-                            std::to_string(brought) + " vertices: some ids are missing",
+                        "there is a vertex with the id " + std::to_string(-least[6]) +
+                            ", but all ranks together have " + std::to_string(brought) +
+                            " vertices: some ids are missing",
                         Element::vertex, -least[6]);
         });
         share_.set_vertices(-least[6] + 1);

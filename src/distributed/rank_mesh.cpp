@@ -17,7 +17,8 @@ namespace {
 
 void check_count(std::span<const std::int64_t> ids, std::int64_t rows, const char* what) {
     if (!ids.empty() && static_cast<std::int64_t>(ids.size()) != rows)
-        refuse("there are " + std::to_string(ids.size()) + " " + what + " ids for " + std::to_string(rows));
+        refuse(std::string(what) + "_ids must have one id per " + what + ": " + std::to_string(rows) + ", not " +
+               std::to_string(ids.size()));
 }
 
 // Returns the least id of an element i for which bad(i) is true, and sets `place` to i; returns the largest int64 if
@@ -76,7 +77,7 @@ class Fingerprint {
 
 void RankMesh::check_shape(const LocalMesh& share) {
     if (share.mesh.triangles.rows < 0 || share.mesh.vertices.rows < 0)
-        refuse("the local mesh has a negative number of rows");
+        refuse("the local mesh has a negative number of triangles or vertices");
     check_count(share.triangle_ids, share.mesh.triangles.rows, "triangle");
     check_count(share.vertex_ids, share.mesh.vertices.rows, "vertex");
 }
@@ -97,13 +98,14 @@ void RankMesh::number(const LocalMesh& share, bool triangle_ids, bool vertex_ids
     if (vertex_ids) vertices_.given = take(share.vertex_ids);
     const auto check_all = [](std::int64_t all, const char* what) {
         if (all > most_ids)
-            refuse("there are " + std::to_string(all) + " " + what + " over all ranks, and at most 2147483647 may be");
+            refuse("there are " + std::to_string(all) + " " + what +
+                   " over all ranks; at most 2147483647 are supported");
     };
     check_all(triangles_.all, "triangles");
     if (!vertex_ids) check_all(vertices_.all, "vertices");
     const auto has_ids = [](std::span<const std::int64_t> ids, std::int64_t rows, const char* what) {
         if (static_cast<std::int64_t>(ids.size()) != rows)
-            refuse(std::string("another rank gives ") + what + " ids, and this one has none");
+            refuse(std::string(what) + "_ids are missing on this rank, but another rank has them");
     };
     if (triangle_ids) has_ids(share.triangle_ids, share.mesh.triangles.rows, "triangle");
     if (vertex_ids) has_ids(share.vertex_ids, share.mesh.vertices.rows, "vertex");

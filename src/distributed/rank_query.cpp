@@ -30,7 +30,7 @@ std::int64_t word_of(const Pairs& pairs) {
 }
 
 void tell(const PairFilter& rules, bool world, ComparedQuery& asked) {
-    check(world || rules.excluded_bodies.empty(), "excluded_bodies must be empty: a share is no world");
+    check(world || rules.excluded_bodies.empty(), "excluded_bodies must be empty: a local mesh has no bodies");
     asked.told.insert(asked.told.end(),
                       {static_cast<std::int64_t>(rules.bodies), static_cast<std::int64_t>(rules.groups),
                        static_cast<std::int64_t>(rules.excluded_groups.size()), word_of(rules.excluded_groups),
@@ -38,12 +38,12 @@ void tell(const PairFilter& rules, bool world, ComparedQuery& asked) {
     asked.between_groups = !world && rules.groups == PairScope::between;
 }
 
-constexpr const char* no_containment = "containment must be false: ranks find the surfaces that meet";
+constexpr const char* no_containment = "containment must be false: ranks do not support it";
 
 }  // namespace
 
 ComparedQuery request_of_ranks(const IntersectionQuery& query, RankOutput output) {
-    check(output != RankOutput::body_pairs, "body_pairs are those of bodies, and a share is no world");
+    check(output != RankOutput::body_pairs, "output must not be body_pairs: a local mesh has no bodies");
     check(!query.containment, no_containment);
     ComparedQuery asked;
     asked.told = {static_cast<std::int64_t>(Kind::intersections),
@@ -78,7 +78,7 @@ RankOutput output_of(const IntersectionQuery& query) {
 }
 
 ComparedQuery request_of_ranks(const IntersectionQuery& query) {
-    check(!query.index, "index must be false: ranks have no offsets by body");
+    check(!query.index, "index must be false: ranks do not support offsets by body");
     check(!query.containment, no_containment);
     ComparedQuery asked;
     asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(query.output),
@@ -89,8 +89,8 @@ ComparedQuery request_of_ranks(const IntersectionQuery& query) {
 
 ComparedQuery request_of_ranks(const ImpactQuery& query, bool world) {
     check_query_options(query, false);
-    check(!query.triangle_pairs, "triangle_pairs must be false: ranks have none");
-    check(!query.index, "index must be false: ranks have no offsets by feature");
+    check(!query.triangle_pairs, "triangle_pairs must be false: ranks do not support them");
+    check(!query.index, "index must be false: ranks do not support offsets by feature");
     ComparedQuery asked;
     asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(query.output), query.weld,
                   query.approaching_only};
@@ -103,11 +103,11 @@ ComparedQuery request_of_ranks(const ImpactQuery& query, bool world) {
 
 ComparedQuery request_of_ranks(const ProximityQuery& query, bool world) {
     check_query_options(query, false);
-    check(query.radii.empty(), "radii must be empty: ranks take one radius");
-    check(!query.rest.data && query.rest.rows == 0, "rest must be empty: ranks take no shape at rest");
-    check(query.rings == 0, "rings must be 0: ranks leave out features with a common vertex");
-    check(!query.least, "least must be false: ranks tell no least distances");
-    check(!query.index, "index must be false: ranks have no offsets by feature");
+    check(query.radii.empty(), "radii must be empty: ranks support only a single radius");
+    check(!query.rest.data && query.rest.rows == 0, "rest must be empty: ranks do not support rest shapes");
+    check(query.rings == 0, "rings must be 0: ranks do not support rings");
+    check(!query.least, "least must be false: ranks do not support least distances");
+    check(!query.index, "index must be false: ranks do not support offsets by feature");
     ComparedQuery asked;
     asked.told = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(query.output), query.strict,
                   query.closest, query.weld};

@@ -42,7 +42,7 @@ Format format_of(const Source& source, const std::string& extension) {
     if (extension == ".stl") return Format::stl;
     if (extension == ".off") return Format::off;
     throw Error(ErrorCode::format,
-                source.name() + ": neither content nor extension are those of PLY, OBJ, STL, OFF, glTF or 3MF",
+                source.name() + ": neither its content nor its extension is that of PLY, OBJ, STL, OFF, glTF or 3MF",
                 Element::byte, 0);
 }
 
@@ -74,7 +74,7 @@ void check_content(const Source& source) {
     const auto fail = [&](const char* what) { source.fail_at_byte(source.begin(), what); };
     if (source.text().find_first_not_of(" \t\r\n") == source.text().npos) fail("the file is empty");
     if (source.text().starts_with("version https://git-lfs"))
-        fail("this is a pointer to a file that Git LFS keeps elsewhere; `git lfs pull` brings the file");
+        fail("this is a pointer to a file that Git LFS keeps elsewhere; `git lfs pull` downloads the file");
     if (is_utf16(source.text()) && !is_binary_stl(source)) fail("this is text in UTF-16; save it as UTF-8");
 }
 
@@ -100,7 +100,7 @@ File unpacked(File file) {
     std::vector<std::string> meshes;
     std::copy_if(archive.names().begin(), archive.names().end(), std::back_inserter(meshes), names_mesh);
     const auto fail = [&](const std::string& what) {
-        throw Error(ErrorCode::format, source.name() + ": this is a zip archive but no 3MF file, and " + what);
+        throw Error(ErrorCode::format, source.name() + ": this is a zip archive but not a 3MF file, and " + what);
     };
     if (meshes.empty()) fail("it holds no mesh");
     if (meshes.size() > 1)
@@ -108,7 +108,7 @@ File unpacked(File file) {
              " the first; unpack it");
     const auto bytes = archive.expand(meshes[0], expansion_limit(source.text().size()));
     if (!bytes)
-        fail(in_quotes(meshes[0]) + " is damaged, encrypted, compressed in a way that is not read, or too large");
+        fail(in_quotes(meshes[0]) + " is damaged, encrypted, compressed in a way that is not supported, or too large");
     Source mesh(*bytes, source.name() + '/' + meshes[0]);
     check_content(mesh);
     return {std::move(mesh), std::nullopt};
@@ -127,7 +127,8 @@ TriangleMesh read(const Source& source, const ReadOptions& options) {
         Warnings warnings(source, options.strict);
         TriangleMesh mesh = read(source, format, options, warnings);
         if (mesh.vertex_count() > INT32_MAX || mesh.triangle_count() > INT32_MAX) {
-            throw Error(ErrorCode::format, source.name() + ": more vertices or triangles than 32-bit ids can name");
+            throw Error(ErrorCode::format,
+                        source.name() + ": it has more vertices or triangles than 32-bit ids can number");
         }
         if (options.weld == Weld::yes || (options.weld == Weld::automatic && format == Format::stl)) weld(mesh);
         if (mesh.triangles.empty() && mesh.lines.empty() && mesh.points.empty())
@@ -177,8 +178,8 @@ void check_expansion(const Source& source, const WorldMesh& world) {
     for (const NamedBody& body : world.bodies)
         triangles += world.shapes[static_cast<std::size_t>(body.shape)].triangle_count();
     if (triangles > std::max(always, per_byte * static_cast<std::int64_t>(source.text().size())))
-        throw Error(ErrorCode::format, source.name() + ": it names meshes so often that they have " +
-                                           std::to_string(triangles) + " triangles, more than 16 a byte of the file");
+        throw Error(ErrorCode::format, source.name() + ": it refers to meshes so often that they have " +
+                                           std::to_string(triangles) + " triangles, more than 16 per byte of the file");
 }
 
 /// Reads the bodies of a scene, posed, as one mesh. A single body with the identity pose keeps its vertices bit for
@@ -198,7 +199,7 @@ TriangleMesh read_posed(const File& file, const ReadOptions& options) {
             return std::all_of(xyz.begin(), xyz.end(), [](auto x) { return std::isfinite(x); });
         };
         if (!std::visit(is_finite, mesh.vertices))
-            throw Error(ErrorCode::format, source.name() + ": a transform takes a vertex beyond all numbers");
+            throw Error(ErrorCode::format, source.name() + ": a transform makes a vertex overflow");
         if (options.weld == Weld::yes) weld(mesh);
         return mesh;
     } catch (const std::bad_alloc&) {

@@ -48,7 +48,7 @@ void validate(const TriangleMesh& mesh) {
         throw Error(ErrorCode::invalid_argument, "vertices and triangles must have three numbers each");
     }
     if (scalars / 3 > INT32_MAX || mesh.triangle_count() > INT32_MAX) {
-        throw Error(ErrorCode::invalid_argument, "more vertices or triangles than 32-bit ids can name");
+        throw Error(ErrorCode::invalid_argument, "the mesh has more vertices or triangles than 32-bit ids can number");
     }
     if (!mesh.groups.empty() && static_cast<std::int64_t>(mesh.groups.size()) != mesh.triangle_count()) {
         throw Error(ErrorCode::invalid_argument, "the mesh has " + std::to_string(mesh.groups.size()) + " groups for " +

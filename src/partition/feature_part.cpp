@@ -228,48 +228,53 @@ void check_feature_part(const Part& part) {
     const std::size_t n = f.vertices.size(), m = part.mesh.ids.size();
     const auto coordinates = [](const auto& xyz) { return std::visit([](const auto& v) { return v.size(); }, xyz); };
     check_that(coordinates(part.mesh.vertices) == 3 * n, "a part must have an id for each of its vertices");
-    check_that(coordinates(f.end) == (f.moving ? 3 * n : 0), "a part must know where each of its vertices ends");
+    check_that(coordinates(f.end) == (f.moving ? 3 * n : 0),
+               "a part must have an end position for each vertex if it is moving, and none if not");
     check_that(f.faces >= 0 && f.faces <= static_cast<std::int64_t>(m) &&
                    f.of_no_face.size() == m - static_cast<std::size_t>(f.faces),
-               "a part must know of each triangle behind its faces what it carries");
-    check_that(f.owned.size() == m && f.edges_of.size() == m && f.points_of.size() == (f.lists_points ? m : 0),
-               "a part must know of each triangle what it owns");
+               "a part's of_no_face must have an entry for each proxy triangle");
+    check_that(
+        f.owned.size() == m && f.edges_of.size() == m && f.points_of.size() == (f.lists_points ? m : 0),
+        "a part's owned and edges_of must have an entry for each triangle, and points_of only if it lists points");
     check_that(f.edges.size() == f.edge_ends.size() && f.points.size() == f.point_vertices.size(),
-               "a part must know the vertices of each edge and point");
+               "a part must have the vertices of each of its edges and points");
     const auto one_each = [&](std::size_t size, std::size_t each) { return size == 0 || size == each * n; };
     check_that(one_each(f.names.size(), 1) && one_each(f.joined.size(), 1) && one_each(f.radii.size(), 1) &&
                    one_each(f.rest.size(), 3),
-               "what a part knows of its vertices must be told of each");
+               "a part's names, joined, radii and rest must be empty, or have an entry for each vertex");
     check_ids(f.vertices, "a part's vertex ids must be 0 or more, and ascend", Element::vertex);
     check_ids(f.edges, "a part's edge ids must be 0 or more, and ascend", Element::edge);
     check_ids(f.points, "a part's point ids must be 0 or more, and ascend", Element::point);
-    check_rows(f.edges_of, f.edges.size(), "a part's triangle owns an edge that is not there");
-    check_rows(f.points_of, f.points.size(), "a part's triangle owns a point that is not there");
+    check_rows(f.edges_of, f.edges.size(), "a part's triangle owns an edge that the part does not have");
+    check_rows(f.points_of, f.points.size(), "a part's triangle owns a point that the part does not have");
     const auto is_vertex = [&](std::int32_t v) { return v >= 0 && static_cast<std::size_t>(v) < n; };
     for (std::size_t e = 0; e < f.edges.size(); ++e)
         check_that(is_vertex(f.edge_ends[e].a) && is_vertex(f.edge_ends[e].b),
-                   "a part's edge has a vertex that is not there", Element::edge, e);
+                   "a part's edge has a vertex that the part does not have", Element::edge, e);
     for (std::size_t p = 0; p < f.points.size(); ++p)
-        check_that(is_vertex(f.point_vertices[p]), "a part's point is a vertex that is not there", Element::point, p);
+        check_that(is_vertex(f.point_vertices[p]), "a part's point is a vertex that the part does not have",
+                   Element::point, p);
     for (std::size_t v = 0; v < f.names.size(); ++v)
-        check_that(is_vertex(f.names[v]), "a part's vertex has the name of one that is not there", Element::vertex, v);
+        check_that(is_vertex(f.names[v]), "a part's vertex is represented by one that the part does not have",
+                   Element::vertex, v);
     for (std::size_t t = 0; t < m; ++t)
         for (std::size_t k = 0; k < 3; ++k) {
-            check_that(!(f.owned[t] >> (3 + k) & 1) || f.edges_of[t][k] >= 0, "a part's triangle owns an unknown edge",
-                       Element::triangle, t);
+            check_that(!(f.owned[t] >> (3 + k) & 1) || f.edges_of[t][k] >= 0,
+                       "a part's triangle owns an edge that edges_of does not list", Element::triangle, t);
             check_that(!f.lists_points || !(f.owned[t] >> k & 1) || f.points_of[t][k] >= 0,
-                       "a part's triangle owns an unknown point", Element::triangle, t);
+                       "a part's triangle owns a point that points_of does not list", Element::triangle, t);
         }
     bool lone = false;
     for (const std::uint8_t owned : f.owned) lone = lone || owned & lone_edge;
     check_that(!lone || f.joined.size() == n,
-               "a part with edges of no triangle must know what its vertices are joined to");
+               "a part with edges that belong to no face must have an entry of joined for each vertex");
     if (f.rings == 0) return;
     check_that(f.first_ring.size() == n + 1 && f.first_ring.front() == 0 &&
                    f.first_ring.back() == static_cast<std::int64_t>(f.ring.size()) &&
                    std::is_sorted(f.first_ring.begin(), f.first_ring.end()),
-               "a part must know the rings about each vertex");
-    check_that(std::all_of(f.ring.begin(), f.ring.end(), is_vertex), "a part's ring has a vertex that is not there");
+               "a part's first_ring must have ascending offsets into ring for each vertex");
+    check_that(std::all_of(f.ring.begin(), f.ring.end(), is_vertex),
+               "a part's ring has a vertex that the part does not have");
 }
 
 VertexView end_of(const PartFeatures& features) {

@@ -18,8 +18,8 @@ void check_whole_bodies(const PairFilter& filter, const World& world) {
     const bool by_groups = filter.groups != PairScope::both || !filter.excluded_groups.empty();
     for (const Shape& shape : world.shapes)
         check(!by_groups || shape.groups.empty(),
-              "a filter of groups needs bodies without groups of triangles: overlaps and insides are those of whole "
-              "bodies");
+              "a filter of groups needs shapes without groups of triangles: overlaps and containment are properties of "
+              "whole bodies");
 }
 
 }  // namespace
@@ -34,23 +34,25 @@ void check_options(const Options& o) {
     check(!o.executor || (o.executor->concurrency() >= 1 && o.executor->concurrency() <= 1024),
           "an executor must have 1 to 1024 workers");
     check(o.device >= 0, "device must be 0 or more");
-    check(o.device == 0 || o.devices.empty(), "device and devices exclude each other");
-    check(o.devices.size() <= 64, "devices must be at most 64");
+    check(o.device == 0 || o.devices.empty(), "device must be 0 if devices are given");
+    check(o.devices.size() <= 64, "devices must have at most 64 entries");
     for (auto d = o.devices.begin(); d != o.devices.end(); ++d)
-        check(*d >= 0 && std::find(o.devices.begin(), d, *d) == d, "devices must be 0 or more, each once");
-    check(o.memory_limit >= 0, "memory_limit must be 0 (none) or a number of bytes");
-    check(o.clusters >= 0 && o.clusters <= max_clusters, "clusters must be 0 (chosen) to 64");
+        check(*d >= 0 && std::find(o.devices.begin(), d, *d) == d, "devices must be 0 or more, and all different");
+    check(o.memory_limit >= 0, "memory_limit must be 0 (no limit) or a positive number of bytes");
+    check(o.clusters >= 0 && o.clusters <= max_clusters, "clusters must be 0 (automatic) to 64");
     check(o.leaf_size >= 1, "leaf_size must be at least 1");
     const FuzzyCMeans& means = o.fuzzy_c_means;
     check(means.fuzziness > 1 && std::isfinite(means.fuzziness), "fuzziness must be finite and above 1");
-    check(means.max_iterations >= 0 && means.first_iterations >= 0, "iteration caps must be 0 or more");
-    check(means.stop >= 0 && means.first_stop >= 0, "stop criteria must be 0 or more");
+    check(means.max_iterations >= 0 && means.first_iterations >= 0,
+          "max_iterations and first_iterations must be 0 or more");
+    check(means.stop >= 0 && means.first_stop >= 0, "stop and first_stop must be 0 or more");
 }
 
 void check_device_poses(const World& world) {
-    check(world.poses.empty() && world.end_poses.empty(), "poses lie in device memory or in host memory, not in both");
+    check(world.poses.empty() && world.end_poses.empty(),
+          "poses must be in device memory or in host memory, not in both");
     check(given(world.device_poses) || !given(world.device_end_poses),
-          "poses at the end lie in device memory, and those at the start do not");
+          "poses at the start must be in device memory, like those at the end");
     for (const DevicePoses* poses : {&world.device_poses, &world.device_end_poses}) {
         if (poses == &world.device_end_poses && !given(*poses)) continue;  // the same as at the start
         if (poses->count != static_cast<std::int64_t>(world.bodies.size()))
@@ -58,14 +60,14 @@ void check_device_poses(const World& world) {
                                                          std::to_string(world.bodies.size()) + " bodies");
         check(poses->data || poses->count == 0, "poses have no data");
         const std::size_t size = poses->type == ScalarType::float32 ? sizeof(float) : sizeof(double);
-        check(reinterpret_cast<std::uintptr_t>(poses->data) % size == 0, "poses are not aligned to their numbers");
+        check(reinterpret_cast<std::uintptr_t>(poses->data) % size == 0, "poses must be aligned to their number type");
     }
 }
 
 void check_on_device(const IntersectionQuery& query) {
-    check(query.output != Output::body_pairs, "which bodies collide is told by find(), not by a launch");
-    check(!query.index, "index must be false: of a launch there are offsets of worlds only");
-    check(!query.containment, "containment must be false: launches find the surfaces that meet");
+    check(query.output != Output::body_pairs, "output must not be body_pairs: launches do not support it; use find()");
+    check(!query.index, "index must be false: launches make offsets by world only");
+    check(!query.containment, "containment must be false: launches do not support it");
 }
 
 void check_blocks(std::int64_t block_rows) {
@@ -73,13 +75,14 @@ void check_blocks(std::int64_t block_rows) {
 }
 
 void check_in_blocks(const IntersectionQuery& q) {
-    check(q.output == Output::pairs || q.output == Output::contacts, "blocks have pairs, or contacts");
+    check(q.output == Output::pairs || q.output == Output::contacts,
+          "output must be pairs or contacts: blocks list them");
 }
 
 void check_in_blocks(const ImpactQuery& q) {
     check(q.output == Output::pairs, "output must be pairs: blocks list them");
     check(!q.index, "index must be false: blocks have no offsets by feature");
-    check(!q.triangle_pairs, "triangle_pairs must be false: blocks have none");
+    check(!q.triangle_pairs, "triangle_pairs must be false: blocks do not support them");
 }
 
 void check_in_blocks(const ProximityQuery& q) {
@@ -94,23 +97,23 @@ void check_query_options(const IntersectionQuery& q) {
     if (!q.containment) return;
     check(q.output <= Output::body_pairs,
           "output must be any, any_by_world or body_pairs with containment: a body inside another one has no pairs of "
-          "triangles; an overlap query has its volume");
+          "triangles; use an OverlapQuery for its volume");
     check(q.kind == IntersectionKind::all,
-          "kind must be all with containment; OverlapQuery::min_volume leaves out bodies that only touch");
-    check(q.open != OpenSurfaces::curves, "open must be error or skip: curves are those of overlaps");
+          "kind must be all with containment; use OverlapQuery::min_volume to leave out bodies that only touch");
+    check(q.open != OpenSurfaces::curves, "open must be error or skip with containment: curves is for overlaps only");
     check(!q.weld || q.neighbours == Neighbours::geometric, "neighbours must be geometric with containment and weld");
 }
 
 void check_containment(const IntersectionQuery& q, const World& world) {
     check_whole_bodies(q.filter, world);
-    check(q.filter.bodies != PairScope::within, "bodies must not be within with containment, which is between bodies");
+    check(q.filter.bodies != PairScope::within, "filter.bodies must not be within: containment is between bodies");
 }
 
 void check_query_options(const ImpactQuery& q, bool world) {
     check(q.output == Output::any || q.output == Output::any_by_world || q.output == Output::first ||
               q.output == Output::pairs,
           "output must be any, any_by_world, first or pairs");
-    check(!world || !q.index, "offsets by feature are made of a single mesh");
+    check(!world || !q.index, "index must be false: only a single mesh has offsets by feature");
     check(q.min_distance >= 0 && std::isfinite(q.min_distance), "min_distance must be finite and 0 or more");
     check(q.min_distance_share >= 0 && q.min_distance_share < 1, "min_distance_share must be 0 or more, and below 1");
 }
@@ -118,26 +121,26 @@ void check_query_options(const ImpactQuery& q, bool world) {
 void check_query_options(const ProximityQuery& q, bool world) {
     check(q.output == Output::any || q.output == Output::any_by_world || q.output == Output::pairs,
           "output must be any, any_by_world or pairs");
-    check(!world || !q.index, "offsets by feature are made of a single mesh");
-    check(!world || !q.least, "least distances are told of a single mesh");
+    check(!world || !q.index, "index must be false: only a single mesh has offsets by feature");
+    check(!world || !q.least, "least must be false: only a single mesh has least distances");
     check(q.radius >= 0 && std::isfinite(q.radius), "radius must be finite and 0 or more");
-    check(!world || q.radii.empty(), "radii of a world are those of its shapes");
-    check(!world || (!q.rest.data && q.rest.rows == 0), "the rest shape of a world is that of each of its shapes");
+    check(!world || q.radii.empty(), "radii must be empty for a world; use Shape::radii");
+    check(!world || (!q.rest.data && q.rest.rows == 0), "rest must be empty for a world; use Shape::rest");
     check(q.rings >= 0, "rings must be 0 or more");
     check(q.rest_radius >= 0 && std::isfinite(q.rest_radius), "rest_radius must be finite and 0 or more");
 }
 
 void check_query_options(const CandidateQuery& q, bool) {
-    check(!q.kinds.empty(), "kinds names no kind of candidates");
+    check(!q.kinds.empty(), "kinds must have at least one kind of candidates");
     for (const CandidateKind kind : q.kinds)
-        check(static_cast<int>(kind) < candidate_kinds, "kinds names a kind of candidates that there is not");
+        check(static_cast<int>(kind) < candidate_kinds, "kinds must be values of CandidateKind");
     check(q.inflation >= 0 && std::isfinite(q.inflation), "inflation must be finite and 0 or more");
 }
 
 void check_query_options(const DistanceQuery& q) {
     check(q.output == Output::nearest || q.output == Output::pairs, "output must be nearest or pairs");
     check(q.radius >= 0, "radius must be 0 or more, or infinite");
-    check(q.filter.bodies != PairScope::within, "bodies must not be within: distances are between bodies");
+    check(q.filter.bodies != PairScope::within, "filter.bodies must not be within: distances are between bodies");
 }
 
 void check_query_options(const OverlapQuery& q, const World& world) {
@@ -146,7 +149,7 @@ void check_query_options(const OverlapQuery& q, const World& world) {
           "output must be any, any_by_world, body_pairs or pairs");
     check_whole_bodies(q.filter, world);
     check(q.min_volume >= 0 && std::isfinite(q.min_volume), "min_volume must be finite and 0 or more");
-    check(q.filter.bodies != PairScope::within, "bodies must not be within: overlaps are between bodies");
+    check(q.filter.bodies != PairScope::within, "filter.bodies must not be within: overlaps are between bodies");
 }
 
 void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& q) {

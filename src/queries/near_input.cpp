@@ -38,9 +38,9 @@ VertexReader static_reader(const Shape& shape) {
 bool has_rest(const Shape& shape) { return shape.rest.data || shape.rest.rows > 0; }
 
 void check_rest(const std::string& which, const Shape& shape) {
-    check_count(which, " vertices at rest", shape.rest.rows, shape.vertices.rows);
+    check_count(which, " vertices in the rest shape", shape.rest.rows, shape.vertices.rows);
     if (!shape.rest.data && shape.rest.rows > 0)
-        throw Error(ErrorCode::invalid_argument, which + "the vertices at rest have no data");
+        throw Error(ErrorCode::invalid_argument, which + "the vertices of the rest shape have no data");
 }
 
 }  // namespace
@@ -67,15 +67,15 @@ void NearInput::begin(const WorldOutline& outline, const ProximityQuery& query, 
             if (here) check_radii(name_of(s, bodies), shape.radii);
         }
         if (has_rest(shape)) check_rest(name_of(s, bodies), shape);
-        if (has_rest(shape) && here) check_finite(shape.rest, name_of(s, bodies) + "at rest: ", workers, buffers);
+        if (has_rest(shape) && here) check_finite(shape.rest, name_of(s, bodies) + "rest shape: ", workers, buffers);
         any_radii_ = any_radii_ || !shape.radii.empty();
         any_rest_ = any_rest_ || has_rest(shape);
         any_vertices = any_vertices || shape.vertices.rows > 0;
     }
     if (any_radii_ && query.radius > 0)
-        throw Error(ErrorCode::invalid_argument, "radius is not asked for beside radii", Element::option);
+        throw Error(ErrorCode::invalid_argument, "radius must be 0 if radii are given", Element::option);
     if (any_vertices && !any_rest_ && query.rest_radius > 0)
-        throw Error(ErrorCode::invalid_argument, "rest_radius needs a shape at rest", Element::option);
+        throw Error(ErrorCode::invalid_argument, "rest_radius needs a rest shape", Element::option);
 }
 
 void NearInput::place(const Shape& only) {

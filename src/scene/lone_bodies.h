@@ -43,7 +43,7 @@ inline void check_bodies_have_triangles(const World& world, const PairFilter& gi
             if (meet(b, other))
                 throw Error(ErrorCode::invalid_argument,
                             "body " + std::to_string(b) + ": it has edges or points but no triangles, and " + what +
-                                "; a ProximityQuery finds these",
+                                "; use a ProximityQuery for such bodies",
                             Element::body, static_cast<std::int64_t>(b));
     }
 }

@@ -16,8 +16,8 @@ void check_mesh_outline(const MeshView& mesh, const std::string& subject, Memory
         throw Error(ErrorCode::invalid_argument, subject + ' ' + what);
     };
     if (mesh.memory != memory)
-        refuse(memory == MemorySpace::host ? "lies in device memory, which needs the cuda backend"
-                                           : "lies in host memory, the other one in device memory");
+        refuse(memory == MemorySpace::host ? "must be in host memory, not in device memory"
+                                           : "must be in device memory, like the first mesh");
     if (mesh.vertices.rows < 0 || mesh.vertices.rows > most)
         refuse("has " + std::to_string(mesh.vertices.rows) + " vertices; 0 to 2147483647 are possible");
     if (mesh.triangles.rows < 0 || mesh.triangles.rows > most)
@@ -54,7 +54,7 @@ void outline_motion(const VertexView& end, PreparedScene& scene) {
         throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(end.rows) + " vertices at the end for " +
                                                      std::to_string(scene.vertex_count()) + " at the start");
     if (end.rows > most_moving_vertices) throw Error(ErrorCode::invalid_argument, too_many_moving_vertices);
-    if (end.rows > 0 && !end.data) throw Error(ErrorCode::invalid_argument, "the end has no vertex data");
+    if (end.rows > 0 && !end.data) throw Error(ErrorCode::invalid_argument, "the vertices at the end have no data");
     scene.moving = true;
     scene.end = {static_cast<const std::byte*>(end.data), end.row_stride, end.column_stride,
                  end.type == ScalarType::float32};

@@ -109,7 +109,7 @@ struct SceneBuffers {
 
 /// Limit of moving scenes: start and end positions are numbered together, as int32.
 inline constexpr std::int64_t most_moving_vertices = std::int64_t{1} << 30;
-inline constexpr const char* too_many_moving_vertices = "in motion there may be 1073741824 vertices at most";
+inline constexpr const char* too_many_moving_vertices = "a moving scene can have at most 1073741824 vertices";
 
 /// Adds end positions to a scene of one mesh and validates them. Throws Error: not_finite, invalid_argument.
 void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, PreparedScene& scene);

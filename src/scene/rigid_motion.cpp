@@ -95,15 +95,14 @@ RigidMotion cut_rigid_motion(std::span<const Pose> start, std::span<const Pose> 
     const FloatEnvironment environment;
     const std::size_t bodies = start.size();
     if (end.size() != bodies || radii.size() != bodies)
-        throw Error(ErrorCode::invalid_argument, "poses at the start, at the end, and radii must be equally many",
-                    Element::option);
+        throw Error(ErrorCode::invalid_argument, "start, end and radii must have the same length", Element::option);
     if (!(tolerance > 0) || !std::isfinite(tolerance))
         throw Error(ErrorCode::invalid_argument, "tolerance must be finite and above 0", Element::option);
     std::vector<Turn> turns(bodies);
     double pieces = 1, size = 0;
     for (std::size_t b = 0; b < bodies; ++b) {
-        if (!is_rigid(start[b])) refuse_body(b, "its pose at the start is no rotation and translation");
-        if (!is_rigid(end[b])) refuse_body(b, "its pose at the end is no rotation and translation");
+        if (!is_rigid(start[b])) refuse_body(b, "its pose at the start is not a rotation with a translation");
+        if (!is_rigid(end[b])) refuse_body(b, "its pose at the end is not a rotation with a translation");
         if (!(radii[b] >= 0) || !std::isfinite(radii[b])) refuse_body(b, "its radius must be finite and 0 or more");
         turns[b] = turn_between(start[b], end[b]);
         size = std::max(size, radii[b] + largest(abs(translation_of(start[b]))) + largest(abs(translation_of(end[b]))));
@@ -112,7 +111,8 @@ RigidMotion cut_rigid_motion(std::span<const Pose> start, std::span<const Pose> 
         if (turns[b].angle > 0) pieces = std::max(pieces, std::ceil(turns[b].angle / most));
     }
     if (!(pieces <= most_pieces))
-        throw Error(ErrorCode::invalid_argument, "tolerance needs more than 1,048,576 pieces", Element::option);
+        throw Error(ErrorCode::invalid_argument, "tolerance is too small: it needs more than 1,048,576 pieces",
+                    Element::option);
 
     RigidMotion motion;
     motion.pieces = static_cast<std::int64_t>(pieces);

@@ -28,11 +28,11 @@ void check_number(const PreparedScene& scene, const CodimensionalFeatures& liste
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
     if (scene.triangle_count() > most / 3)
         throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(scene.triangle_count()) +
-                                                     " triangles; features are found of 715827882 at most");
+                                                     " triangles; queries about features support at most 715827882");
     if (edges + points > most - 3 * scene.triangle_count())
-        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(edges) + " edges and " +
-                                                     std::to_string(points) +
-                                                     " points; with three times the triangles that is too many");
+        throw Error(ErrorCode::invalid_argument,
+                    "there are " + std::to_string(edges) + " edges and " + std::to_string(points) +
+                        " points; together with three times the triangles, at most 2147483647 are supported");
 }
 
 }  // namespace

@@ -14,9 +14,10 @@ const ShapeTree& ShapeTrees::named(const Shape& shape, std::size_t s) {
         if (named.vertices != shape.vertices.rows || named.triangles != shape.triangles.rows ||
             named.type != shape.vertices.type)
             throw Error(ErrorCode::invalid_argument,
-                        "shape " + std::to_string(s) + ": what is named " + std::to_string(shape.name) + " has " +
-                            std::to_string(named.vertices) + " vertices, " + std::to_string(named.triangles) +
-                            " triangles and its own precision; a named shape stays as it is",
+                        "shape " + std::to_string(s) + ": an earlier shape with the name " +
+                            std::to_string(shape.name) + " had " + std::to_string(named.vertices) +
+                            (named.type == ScalarType::float32 ? " float32" : " float64") + " vertices and " +
+                            std::to_string(named.triangles) + " triangles; a changed shape needs another name",
                         Element::shape, static_cast<std::int64_t>(s));
         named.used = calls_;
         return named.tree;

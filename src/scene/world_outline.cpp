@@ -45,16 +45,16 @@ void check_body(const World& world, std::size_t b) {
         refuse(WorldOutline::name(static_cast<std::int32_t>(b)) + what, Element::body, static_cast<std::int64_t>(b));
     };
     if (body.shape < 0 || static_cast<std::size_t>(body.shape) >= world.shapes.size())
-        refuse_body("there is no shape " + std::to_string(body.shape) + "; there are " +
-                    std::to_string(world.shapes.size()));
+        refuse_body("there is no shape " + std::to_string(body.shape) +
+                    " (number of shapes: " + std::to_string(world.shapes.size()) + ")");
     if (body.world < -1 || body.world == most_elements)
         refuse_body("its world is " + std::to_string(body.world) + "; worlds are 0 to 2147483646, or -1");
     if (b > 0) {
         const std::int32_t before = world.bodies[b - 1].world;
-        if (before == -1 && body.world != -1) refuse_body("bodies that are in all worlds (-1) come last");
+        if (before == -1 && body.world != -1) refuse_body("bodies that are in all worlds (-1) must come last");
         if (body.world != -1 && body.world < before)
             refuse_body("its world " + std::to_string(body.world) + " comes after world " + std::to_string(before) +
-                        "; world ids ascend over the bodies");
+                        "; world ids must ascend over the bodies");
     }
     for (const auto& poses : {world.poses, world.end_poses}) {
         if (poses.empty()) continue;
@@ -68,7 +68,7 @@ void check_filter(const PairFilter& rules, std::int64_t bodies) {
         return w == PairScope::both || w == PairScope::between || w == PairScope::within;
     };
     if (!known(rules.bodies) || !known(rules.groups))
-        refuse("rules must be both, between or within", Element::option, -1);
+        refuse("filter.bodies and filter.groups must be both, between or within", Element::option, -1);
     for (const BodyPair& pair : rules.excluded_bodies)
         for (const std::int32_t b : {pair.first, pair.second})
             if (b < 0 || b >= bodies)

@@ -24,16 +24,17 @@ bool device_supports_filter(const Shape& shape, const PairFilter& rules) {
 template <class Query>
 void require_device_support(const Shape& shape, const Query& query) {
     if (FeatureSearch::supports_on_device(shape, query)) return;
-    throw Error(ErrorCode::invalid_argument,
-                std::is_same_v<Query, ImpactQuery>
-                    ? "launches make no triangle pairs, weld nothing, and know no rules about groups where edges or "
-                      "points are listed: find() does, with a copy on the host"
-                : std::is_same_v<Query, ProximityQuery>
-                    ? "launches tell no closest points and no least distances, weld nothing, and know no rules about "
-                      "groups where edges or points are listed: find() does, with a copy on the host"
-                    : "launches weld nothing, and know no rules about groups where edges or points are listed: "
-                      "find() does, with a copy on the host",
-                Element::option);
+    throw Error(
+        ErrorCode::invalid_argument,
+        std::is_same_v<Query, ImpactQuery>
+            ? "launches do not support triangle_pairs, weld, filters of bodies, or filters of groups together with "
+              "codimensional edges or points; use find(), which copies the mesh to the host"
+        : std::is_same_v<Query, ProximityQuery>
+            ? "launches do not support closest, least, weld, filters of bodies, or filters of groups together "
+              "with codimensional edges or points; use find(), which copies the mesh to the host"
+            : "launches do not support weld, filters of bodies, or filters of groups together with "
+              "codimensional edges or points; use find(), which copies the mesh to the host",
+        Element::option);
 }
 
 }  // namespace

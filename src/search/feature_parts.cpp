@@ -13,21 +13,21 @@ namespace crumple {
 namespace {
 
 void check_part_query(const PartFeatures& part, const ImpactQuery& query) {
-    check(part.moving, "the part was made for a question about nearness");
+    check(part.moving, "the part was made for a query about nearness");
     check(query.min_distance <= part.distance && query.min_distance_share <= part.share,
           "min_distance and min_distance_share must be at most those that the part was made for");
-    check(query.weld == part.weld, "weld must be as the part was made");
-    check(!query.triangle_pairs, "triangle_pairs must be false: parts of features have none");
+    check(query.weld == part.weld, "weld must be as in the query that the part was made for");
+    check(!query.triangle_pairs, "triangle_pairs must be false: parts do not support them");
 }
 void check_part_query(const PartFeatures& part, const ProximityQuery& query) {
-    check(!part.moving, "the part was made for a question about motion");
-    check(query.radius <= part.distance, "radius must be at most that which the part was made for");
-    check(query.weld == part.weld, "weld must be as the part was made");
-    check(query.rings == part.rings, "rings must be as the part was made");
+    check(!part.moving, "the part was made for a query about motion");
+    check(query.radius <= part.distance, "radius must be at most that of the query that the part was made for");
+    check(query.weld == part.weld, "weld must be as in the query that the part was made for");
+    check(query.rings == part.rings, "rings must be as in the query that the part was made for");
     check(query.radii.empty() && !query.rest.data && query.rest.rows == 0,
-          "a part knows radii and the shape at rest: it was made with them");
+          "radii and rest must be empty: the part has those that it was made with");
     check(query.rest_radius == 0 || !part.rest.empty() || part.vertices.empty(),
-          "rest_radius needs a part that was made with a shape at rest");
+          "rest_radius needs a part that was made with a rest shape");
 }
 
 VertexReader reader_of(const std::vector<double>& xyz) {
@@ -107,7 +107,7 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
     if constexpr (is_near<Query>) {
         check_radii("", given.radii);
         check_finite(rows_of_three(given.rest.data(), static_cast<std::int64_t>(given.rest.size() / 3)),
-                     "at rest: ", backend, buffers_);
+                     "rest shape: ", backend, buffers_);
         request.radii = given.radii;
         rest = {reader_of(given.rest), nullptr, query.rest_radius};
         if (!given.rest.empty()) request.rest = &rest;

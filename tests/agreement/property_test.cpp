@@ -251,7 +251,7 @@ RC_GTEST_PROP(Property, stricter_options_only_remove_pairs, ()) {
     require_same(in_both, both);
 }
 
-RC_GTEST_PROP(Property, brute_force_agrees, ()) {
+RC_GTEST_PROP(Property, results_match_brute_force, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     query.output = Output::contacts;

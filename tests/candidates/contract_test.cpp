@@ -166,9 +166,8 @@ TEST_P(CandidateErrors, invalid_inflation_is_rejected) {
     }
 }
 TEST_P(CandidateErrors, missing_and_unknown_kinds_are_rejected) {
-    EXPECT_STREQ(refused({.kinds = {}}).what(), "kinds names no kind of candidates");
-    EXPECT_STREQ(refused({.kinds = {static_cast<CandidateKind>(6)}}).what(),
-                 "kinds names a kind of candidates that there is not");
+    EXPECT_STREQ(refused({.kinds = {}}).what(), "kinds must have at least one kind of candidates");
+    EXPECT_STREQ(refused({.kinds = {static_cast<CandidateKind>(6)}}).what(), "kinds must be values of CandidateKind");
 }
 TEST_P(CandidateErrors, invalid_end_positions_are_rejected) {
     const auto at = [&](const VertexView& end) {

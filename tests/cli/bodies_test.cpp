@@ -84,7 +84,7 @@ TEST_F(Bodies, pairs_are_excluded_by_name) {
                    "--excluded-bodies base,amr: there is no body amr; did you mean arm?");
     expect_refused("robot.glb --groups bodies --excluded-bodies far,arm", "no body far; did you mean far away?");
     expect_refused("robot.glb --groups bodies --excluded-bodies wheel,arm", "there is no body wheel\n");
-    expect_refused("robot.glb --groups bodies --excluded-bodies base", "two names are needed, A,B");
+    expect_refused("robot.glb --groups bodies --excluded-bodies base", "two names are expected, A,B");
     write("bad.txt", "base\tarm\nbase\tHand\n");
     expect_refused("robot.glb --groups bodies --excluded-bodies-from bad.txt",
                    "bad.txt, line 2: there is no body Hand; did you mean hand?");
@@ -200,10 +200,10 @@ TEST_F(Bodies, error_in_poses_names_row_and_body) {
     };
     const std::string good = three_configurations();
     refused(good + "1,2,3\n",
-            "p.csv, line 13: row 12 (configuration 3, body 'base'): a pose has 12 numbers (or 16), not 3");
+            "p.csv, line 13: row 12 (configuration 3, body 'base'): a pose must have 12 or 16 numbers, not 3");
     refused(good + at(0, 0, 0) + "1,0,0,nan,0,1,0,0,0,0,1,0\n",
             "p.csv, line 14: row 13 (configuration 3, body 'arm'): number 4 is not finite");
-    refused(good + "1,0,0,x,0,1,0,0,0,0,1,0\n", "p.csv, line 13: 'x' is no number");
+    refused(good + "1,0,0,x,0,1,0,0,0,0,1,0\n", "p.csv, line 13: 'x' is not a number");
     refused(good + at(0, 0, 0), "p.csv: 13 rows for 4 bodies: the last configuration has 1");
     refused(at(0, 0, 0) + at(5, 0, 0) + at(9, 0, 0) + at(20, 0, 0) + at(0, 0, 0) + at(0, 0, 0) + at(1e308, 0, 0) +
                 at(0, 0, 0),
@@ -236,7 +236,7 @@ TEST_F(Bodies, scene_without_groups_is_one_mesh) {
     EXPECT_EQ(crumple("near robot.glb --radius 0.01").out, crumple("near robot.ply --radius 0.01").out);
 }
 
-TEST_F(Bodies, summary_says_that_nothing_collides) {
+TEST_F(Bodies, summary_reports_that_nothing_collides) {
     EXPECT_TRUE(
         contains(crumple("detect robot.glb --groups bodies --excluded-bodies base,arm --excluded-bodies arm,hand").err,
                  "nothing collides: 4 bodies"));
@@ -257,14 +257,14 @@ TEST_F(Bodies, incompatible_options_are_refused) {
     expect_refused("robot.glb --excluded-bodies base,arm", "--excluded-bodies needs --groups bodies");
     expect_refused("five.off --excluded-bodies-from x", "--excluded-bodies-from needs --groups bodies");
     expect_refused("five.off --poses x", "--poses needs --groups bodies");
-    expect_refused("robot.glb --groups bodies --any-by-world", "--any-by-world changes nothing without --poses");
-    expect_refused("robot.glb --groups bodies --contacts", "--contacts belong to triangles");
+    expect_refused("robot.glb --groups bodies --any-by-world", "--any-by-world needs --poses");
+    expect_refused("robot.glb --groups bodies --contacts", "--contacts does not go with --groups bodies");
     expect_refused("robot.glb --groups bodies --polygons", "--polygons");
-    expect_refused("robot.glb --groups bodies --part 1/2", "--part is of triangles");
-    expect_refused("robot.glb --groups bodies --stats", "--stats are of triangles");
-    expect_refused("robot.glb --groups bodies --poses poses.csv -o x.glb", "--poses give rows");
+    expect_refused("robot.glb --groups bodies --part 1/2", "--part does not go with --groups bodies");
+    expect_refused("robot.glb --groups bodies --stats", "--stats does not go with --groups bodies");
+    expect_refused("robot.glb --groups bodies --poses poses.csv -o x.glb", "with --poses, rows are written");
     expect_refused("robot.glb --groups bodies --poses poses.csv -o poses.csv", "would overwrite the input poses.csv");
-    expect_refused("- --groups bodies --poses -", "standard input, -, can be read once");
+    expect_refused("- --groups bodies --poses -", "standard input, -, can be read only once");
     EXPECT_TRUE(contains(crumple("sequence five.off --groups bodies --filter between").err, "is for crumple detect"));
 }
 

@@ -12,7 +12,7 @@ const std::string step = "impacts above.off below.off --candidates", static_quer
 // Candidates of the corner that falls through the lower triangle, and of the two edges that end at it.
 constexpr const char* step_candidates = "vf 3 0\nee 1 2 3 4\nee 1 2 3 5\n";
 
-TEST_F(Candidates, go_to_standard_output) {
+TEST_F(Candidates, candidates_go_to_standard_output) {
     EXPECT_EQ(list(step), step_candidates);
     EXPECT_EQ(list(step + " --backend reference"), step_candidates);
     EXPECT_EQ(list(step + " --threads 1"), step_candidates);
@@ -36,7 +36,7 @@ TEST_F(Candidates, each_kind_has_its_tag) {
     EXPECT_EQ(list(all + "vertex_face,edge_edge"), list(static_query + " --inflation 0.5"));
 }
 
-TEST_F(Candidates, are_written_in_every_format) {
+TEST_F(Candidates, candidates_are_written_in_every_format) {
     const Outcome outcome = crumple(step + " --kinds vertex_face,face_face -o a.txt -o a.csv -o a.json -o a.npz");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, "");
@@ -93,12 +93,12 @@ TEST_F(Candidates, wrong_options_are_refused) {
     expect_refused(step + " -o a.ply", "candidates are written as");
     expect_refused(step + " -o none/a.csv", "cannot write none/a.csv");
     expect_refused(step + " -o -", "-o - needs --format");
-    expect_refused(step + " --kinds face_vertex", "--kinds: face_vertex is none of vertex_face|edge_edge|");
+    expect_refused(step + " --kinds face_vertex", "--kinds: face_vertex is not one of vertex_face|edge_edge|");
     for (const char* const bad : {"-1", "nan", "inf", "x"})
         expect_refused(step + " --inflation " + bad,
                        "--inflation: " + std::string(bad) + " is no distance of 0 or more");
     expect_refused(step + " --triangle-pairs", "--triangle-pairs does not go with --candidates");
-    expect_refused("impacts - - --candidates", "standard input, -, can be read once");
+    expect_refused("impacts - - --candidates", "standard input, -, can be read only once");
     expect_refused("impacts missing.off --candidates", "missing.off");
     write("a.csv", above_off);
     expect_refused("impacts a.csv --candidates -o a.csv", "would overwrite the input a.csv");

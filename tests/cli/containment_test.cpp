@@ -108,7 +108,7 @@ TEST_F(Containment, open_bodies_are_an_error_or_contain_nothing) {
         "--excluded-bodies large,open_large");
     EXPECT_EQ(skipped.out, "open\tlarge\tinside\nlarge\tsmall\tinside\n") << skipped.err;
     EXPECT_TRUE(
-        contains(skipped.err, "these bodies are not closed, and what lies inside does not count: open, open_large"))
+        contains(skipped.err, "these bodies are not closed, and what lies inside does not collide: open, open_large"))
         << skipped.err;
     EXPECT_EQ(list("--containment open_large.off edge.off"), "open_large\tedge\n") << "surfaces meet";
 }
@@ -123,7 +123,7 @@ TEST_F(Containment, containment_changes_colours_of_written_meshes) {
 
 TEST_F(Containment, incompatible_options_are_refused) {
     expect_refused("large.off small.off --containment", "--containment needs --groups bodies");
-    expect_refused("large.off --groups bodies --open skip", "--open changes nothing without --containment");
+    expect_refused("large.off --groups bodies --open skip", "--open needs --containment");
     expect_refused("large.off small.off --groups bodies --containment --kind proper", "kind must be all");
     expect_refused("large.off small.off --groups bodies --containment --filter within", "bodies must not be within");
 }

@@ -22,7 +22,7 @@ void expect_same(const io::TriangleMesh& mesh, const io::TriangleMesh& other) {
     EXPECT_EQ(mesh.polygons.corners, other.polygons.corners);
 }
 
-TEST_F(Convert, keeps_polygons_and_every_bit) {
+TEST_F(Convert, polygons_and_every_bit_are_kept) {
     write("a.obj", quad_and_triangle);
     const io::TriangleMesh original = io::read_mesh(file("a.obj"));
     ASSERT_EQ(original.polygons.count(), 2);
@@ -34,7 +34,7 @@ TEST_F(Convert, keeps_polygons_and_every_bit) {
     EXPECT_EQ(read("c.off"), "OFF\n5 2 0\n0 0 0\n0.1 0 0\n0.1 1 0\n0 1 0\n0 0 1\n4 0 1 2 3\n3 0 1 4\n");
 }
 
-TEST_F(Convert, stl_holds_triangles_in_float32) {
+TEST_F(Convert, stl_output_holds_float32_and_refuses_overflow) {
     write("a.obj", quad_and_triangle);
     EXPECT_EQ(crumple("convert a.obj a.stl").status, 0);
     const io::TriangleMesh stl = io::read_mesh(file("a.stl"));
@@ -47,7 +47,7 @@ TEST_F(Convert, stl_holds_triangles_in_float32) {
     EXPECT_FALSE(fs::exists(file("far.stl")));
 }
 
-TEST_F(Convert, welds_on_request) {
+TEST_F(Convert, vertices_are_welded_on_request) {
     write("a.off", "OFF\n6 2 0\n0 0 0\n1 0 0\n0 1 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 3 5 4\n");
     EXPECT_EQ(crumple("convert a.off apart.ply").status, 0);
     EXPECT_EQ(io::read_mesh(file("apart.ply")).vertex_count(), 6);
@@ -55,14 +55,14 @@ TEST_F(Convert, welds_on_request) {
     EXPECT_EQ(io::read_mesh(file("one.ply")).vertex_count(), 4);
 }
 
-TEST_F(Convert, works_with_pipes) {
+TEST_F(Convert, meshes_can_be_converted_in_a_pipe) {
     write("a.obj", quad_and_triangle);
     EXPECT_EQ(crumple("convert a.obj a.off").status, 0);
     EXPECT_EQ(shell("$crumple convert - - --format ply < a.obj | $crumple convert - - --format off").out,
               read("a.off"));
 }
 
-TEST_F(Convert, applies_transforms_of_scene_nodes) {
+TEST_F(Convert, transforms_of_scene_nodes_are_applied) {
     write("a.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "translation": [1, 2, 4]}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
@@ -75,7 +75,7 @@ TEST_F(Convert, applies_transforms_of_scene_nodes) {
     EXPECT_EQ(read("a.off"), "OFF\n3 1 0\n1 2 4\n2 2 4\n1 3 4\n3 0 1 2\n");
 }
 
-TEST_F(Convert, keeps_bodies_in_3mf) {
+TEST_F(Convert, bodies_are_kept_in_3mf) {
     io::WorldMesh world;
     world.shapes = {{std::vector<double>{0, 0, 0, 1, 0, 0, 0, 0.1, 0}, {0, 1, 2}}};
     world.bodies = {{"base", 0}, {"arm", 0, {{1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 4}}}};
@@ -111,7 +111,7 @@ TEST_F(Convert, gz_extension_compresses_the_file) {
     EXPECT_EQ(crumple("convert a.obj a.gz").status, 2);
 }
 
-TEST_F(Convert, keeps_or_converts_the_unit) {
+TEST_F(Convert, unit_is_kept_or_converted) {
     write("inch.3mf", crumple::test::file_3mf(
                           crumple::test::model_around("<resources><object id=\"1\">" + crumple::test::tetrahedron +
                                                           "</object></resources><build><item objectid=\"1\"/></build>",
@@ -142,14 +142,14 @@ TEST_F(Convert, keeps_or_converts_the_unit) {
     EXPECT_EQ(crumple("convert inch.3mf x.3mf --unit miles").status, 2);
 }
 
-TEST_F(Convert, warns_about_unknown_statements) {
+TEST_F(Convert, unknown_statements_give_a_warning) {
     write("a.obj", std::string(quad_and_triangle) + "hello 1\n");
     EXPECT_TRUE(contains(crumple("convert a.obj a.ply").err, "'hello'"));
     EXPECT_EQ(crumple("convert --strict a.obj b.ply").status, 2);
     EXPECT_FALSE(fs::exists(file("b.ply")));
 }
 
-TEST_F(Convert, refuses_wrong_inputs_and_outputs) {
+TEST_F(Convert, wrong_inputs_and_outputs_are_refused) {
     write("a.obj", quad_and_triangle);
     const auto expect_refused = [&](const std::string& arguments, const std::string& reason) {
         const Outcome outcome = crumple("convert " + arguments);
@@ -161,7 +161,7 @@ TEST_F(Convert, refuses_wrong_inputs_and_outputs) {
     expect_refused("a.obj - --format html", ".ply, .obj, .stl, .off, .glb or .3mf");
     expect_refused("a.obj -", "--format");
     expect_refused("a.obj b.ply --format ply", "--format");
-    expect_refused("a.obj ./a.obj", "the file that is read");
+    expect_refused("a.obj ./a.obj", "a.obj is the input; choose another name");
     expect_refused("missing.obj b.ply", "missing.obj");
     expect_refused("a.obj", "OUT");
     EXPECT_EQ(read("a.obj"), quad_and_triangle);

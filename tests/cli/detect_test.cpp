@@ -32,13 +32,13 @@ class Detect : public Cli {
     }
 };
 
-TEST_F(Detect, writes_pairs_to_standard_output) { EXPECT_EQ(pairs("five.off"), five_pairs); }
+TEST_F(Detect, pairs_go_to_standard_output) { EXPECT_EQ(pairs("five.off"), five_pairs); }
 
 TEST_F(Detect, pairs_of_two_files_name_the_first_file_first) {
     EXPECT_EQ(pairs("five.off two.off"), "0 1\n2 0\n3 1\n4 0\n");
 }
 
-TEST_F(Detect, streams_the_same_lines) {
+TEST_F(Detect, stream_has_the_same_lines_as_the_list) {
     for (const std::string input :
          {"five.off", "five.off two.off", "five.off --contacts", "five.off --memory-limit 1MB"}) {
         EXPECT_EQ(sorted_lines(pairs(input + " --stream")), sorted_lines(pairs(input)));
@@ -51,7 +51,7 @@ TEST_F(Detect, streams_the_same_lines) {
     }
 }
 
-TEST_F(Detect, streams_only_one_list_of_pairs) {
+TEST_F(Detect, only_one_list_of_pairs_can_be_streamed) {
     for (const std::string bad :
          {"-o a.json", "-o a.glb", "-o a.txt -o b.txt", "--check", "--polygons", "--part 1/2"}) {
         const Outcome outcome = crumple("detect five.off --stream " + bad);
@@ -60,7 +60,7 @@ TEST_F(Detect, streams_only_one_list_of_pairs) {
     }
 }
 
-TEST_F(Detect, skips_adjacent_triangles_on_request) {
+TEST_F(Detect, adjacent_triangles_are_skipped_on_request) {
     EXPECT_EQ(pairs("five.off --neighbours skip"), "0 1\n0 3\n");
     EXPECT_EQ(pairs("five.off --neighbours geometric"), five_pairs);
 }
@@ -84,7 +84,7 @@ TEST_F(Detect, stl_is_welded_by_default) {
     EXPECT_EQ(pairs("hinge.stl --no-weld"), "0 1\n");
 }
 
-TEST_F(Detect, precision_decides_what_touches) {
+TEST_F(Detect, precision_decides_whether_triangles_touch) {
     EXPECT_EQ(pairs("near.off"), "");
     EXPECT_EQ(pairs("near.off --precision float64"), "");
     EXPECT_EQ(pairs("near.off --precision float32"), "0 1\n");
@@ -153,7 +153,7 @@ TEST_F(Detect, parts_together_give_the_whole_result) {
     EXPECT_EQ(pairs("five.off two.off --part 1/1"), pairs("five.off two.off"));
 }
 
-TEST_F(Detect, writes_lists_in_every_format) {
+TEST_F(Detect, pairs_are_written_in_every_format) {
     EXPECT_TRUE(summary("five.off -o p.txt -o p.csv -o p.json -o p.npz").starts_with("3 pairs, 5 of 5 triangles, "));
     EXPECT_EQ(read("p.txt"), five_pairs);
     EXPECT_EQ(read("p.csv"), "a,b\n0,1\n0,3\n2,4\n");
@@ -164,14 +164,14 @@ TEST_F(Detect, writes_lists_in_every_format) {
     EXPECT_TRUE(contains(read("p.npz"), "pairs.npy"));
 }
 
-TEST_F(Detect, writes_contacts_to_lists) {
+TEST_F(Detect, contacts_are_written_to_csv_and_json) {
     summary("five.off --contacts --output p.csv -o p.json");
     EXPECT_TRUE(contains(read("p.csv"), "0,3,point,1,0,0,0,"));
     EXPECT_EQ(nlohmann::json::parse(read("p.json"))["contacts"][0].dump(),
               R"({"kind":"segment","points":[[1,1,0],[2,2,0]]})");
 }
 
-TEST_F(Detect, writes_coloured_meshes) {
+TEST_F(Detect, coloured_meshes_are_written) {
     EXPECT_TRUE(summary("-o c.ply -o c.obj -o c.glb five.off two.off").starts_with("4 pairs, 6 of 7 triangles, "));
     EXPECT_EQ(io::read_mesh(file("c.ply")).triangle_count(), 7);
     EXPECT_TRUE(contains(read("c.ply"), "property uchar red"));
@@ -194,14 +194,14 @@ TEST_F(Detect, check_reports_collisions_by_exit_status) {
     EXPECT_EQ(crumple("detect near.off --check").status, 0);
 }
 
-TEST_F(Detect, prints_one_line_summary_of_a_written_list) {
+TEST_F(Detect, written_list_gives_a_summary_of_one_line) {
     EXPECT_TRUE(summary("near.off -o p.txt").starts_with("nothing collides: 2 triangles, "));
     write("one.off", "OFF\n6 2 0\n0 0 0\n2 0 0\n0 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 3 4 5\n");
     EXPECT_TRUE(summary("one.off -o p.txt").starts_with("1 pair, 2 of 2 triangles, "));
     EXPECT_FALSE(contains(crumple("detect one.off -o p.txt --stats").err, "1 pair,"));
 }
 
-TEST_F(Detect, writes_an_html_page) {
+TEST_F(Detect, html_page_shows_collisions_and_contacts) {
     summary("five.off two.off --contacts -o p.html");
     const std::string page = read("p.html");
     EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
@@ -212,7 +212,7 @@ TEST_F(Detect, writes_an_html_page) {
     EXPECT_FALSE(contains(page, "@ID@") || contains(page, "@DATA@"));
 }
 
-TEST_F(Detect, lists_pairs_of_polygons) {
+TEST_F(Detect, pairs_of_polygons_are_listed) {
     // Two squares that cross, each cut in two, and a triangle that touches the first.
     write("squares.obj",
           "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 -1 -1\nv 1 3 -1\nv 1 3 1\nv 1 -1 1\nv 9 0 0\nv 9 1 0\nv 2 1 0\n"
@@ -231,7 +231,8 @@ TEST_F(Detect, lists_pairs_of_polygons) {
     EXPECT_EQ(pairs("folded.obj --polygons"), "0 1\n");
     const Outcome contacts = crumple("detect squares.obj --polygons --contacts");
     EXPECT_EQ(contacts.status, 2);
-    EXPECT_TRUE(contains(contacts.err, "--contacts belong to triangles")) << contacts.err;
+    EXPECT_TRUE(contains(contacts.err, "--contacts does not go with --polygons: contacts belong to triangles"))
+        << contacts.err;
     EXPECT_EQ(crumple("detect squares.obj --polygons --part 1/2").status, 2);
 }
 
@@ -239,18 +240,18 @@ TEST_F(Detect, polygon_can_collide_with_itself) {
     write("bow.obj", "v 0 0 0\nv 3 3 0\nv 3 0 0\nv 0 3 0\nf 1 2 3 4\n");
     const Outcome fan = crumple("detect bow.obj --polygons");
     EXPECT_EQ(fan.out, "0 0\n");
-    EXPECT_EQ(fan.err, "crumple: warning: bow.obj, line 5: a polygon crosses itself and is fanned\n");
+    EXPECT_EQ(fan.err, "crumple: warning: bow.obj, line 5: a polygon crosses itself and becomes a fan\n");
     EXPECT_EQ(crumple("detect bow.obj --strict").status, 2);
 }
 
-TEST_F(Detect, triangulates_concave_polygons_by_ears_or_fan) {
+TEST_F(Detect, concave_polygons_are_triangulated_by_ears_or_fan) {
     write("chevron.obj", "v 4 -2 0\nv 1 0 0\nv 4 2 0\nv 0 0 0\nf 1 2 3 4\n");
     EXPECT_EQ(pairs("chevron.obj"), "");
     EXPECT_EQ(pairs("chevron.obj --triangulation ears"), "");
     EXPECT_EQ(pairs("chevron.obj --triangulation fan"), "0 1\n");
 }
 
-TEST_F(Detect, prints_each_warning_on_one_line) {
+TEST_F(Detect, each_warning_is_printed_on_one_line) {
     write("odd.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nseam 1 2\nseam 2 3\n");
     const Outcome outcome = crumple("detect odd.obj");
     EXPECT_EQ(outcome.status, 0);
@@ -260,7 +261,7 @@ TEST_F(Detect, prints_each_warning_on_one_line) {
     EXPECT_EQ(crumple("info odd.obj --strict").status, 2);
 }
 
-TEST_F(Detect, prints_statistics_to_standard_error) {
+TEST_F(Detect, statistics_go_to_standard_error) {
     const Outcome outcome = crumple("detect five.off --stats");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, five_pairs);

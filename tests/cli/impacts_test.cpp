@@ -9,7 +9,7 @@ using Impacts = Moving;
 
 constexpr const char* impact = "vf 3 0 0.5 0\n";
 
-TEST_F(Impacts, go_to_standard_output) {
+TEST_F(Impacts, impacts_go_to_standard_output) {
     EXPECT_EQ(list("impacts above.off below.off"), impact);
     EXPECT_EQ(list("impacts above.off below.off --backend reference"), impact);
     EXPECT_EQ(list("impacts above.off below.off --threads 1"), impact);
@@ -22,7 +22,7 @@ TEST_F(Impacts, contact_at_the_start_has_time_zero) {
     EXPECT_EQ(list("impacts touching.off above.off"), "vf 3 0 0 1\n");
 }
 
-TEST_F(Impacts, are_written_in_every_format) {
+TEST_F(Impacts, impacts_are_written_in_every_format) {
     const Outcome outcome = crumple("impacts above.off below.off -o a.txt -o a.csv -o a.json -o a.npz -o a.glb");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, "");
@@ -128,7 +128,7 @@ TEST_F(Impacts, stl_that_welds_differently_needs_weld_option) {
     write("end.stl", parted);
     EXPECT_EQ(list("impacts start.stl start.stl"), "");
     EXPECT_EQ(list("impacts start.stl start.stl --weld"), "");
-    expect_refused("impacts start.stl end.stl", "but have 5 and 6 vertices (vertices of STL that coincide");
+    expect_refused("impacts start.stl end.stl", "but have 5 and 6 vertices (each STL file was welded separately");
     EXPECT_TRUE(list("impacts start.stl end.stl --weld").starts_with("vf 0 1 0 1\nvf 3 0 0 1\n"));
     EXPECT_EQ(list("impacts start.stl end.stl --weld"), list("impacts start.stl end.stl --no-weld"));
 }
@@ -142,15 +142,15 @@ TEST_F(Impacts, lines_and_points_of_obj_take_part) {
     write("list.txt", "ve 2 1 0 0.5\n");
     EXPECT_TRUE(crumple("verify --impacts a.obj b.obj list.txt").out.starts_with("right: 1 impacts"));
     write("b.obj", "v 0 0 0\nv 1 0 0\nv 0.5 -1 0\nl 1 2\n");
-    expect_refused("impacts a.obj b.obj", "lines or points name other vertices");
+    expect_refused("impacts a.obj b.obj", "lines or points have other vertices");
 }
 
-TEST_F(Impacts, need_the_same_mesh_at_both_times) {
+TEST_F(Impacts, different_meshes_at_the_two_times_are_refused) {
     write("more.off", "OFF\n7 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n7 7 7\n3 0 1 2\n3 3 4 5\n");
     write("less.off", "OFF\n6 1 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n");
     write("other.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n3 3 5 4\n");
     const auto named = [&](const std::string& end) {
-        return "above.off and " + end + " are to be one mesh at two times";
+        return "above.off and " + end + " must be one mesh at two times";
     };
     expect_refused("impacts above.off more.off", named("more.off") + ", but have 6 and 7 vertices");
     expect_refused("impacts above.off less.off", named("less.off") + ", but have 2 and 1 triangles");
@@ -172,7 +172,7 @@ TEST_F(Impacts, polygons_of_the_end_are_cut_as_at_the_start) {
 
 TEST_F(Impacts, wrong_arguments_are_refused) {
     expect_refused("impacts above.off", "impacts: END is required; see crumple impacts --help");
-    expect_refused("impacts - -", "standard input, -, can be read once");
+    expect_refused("impacts - -", "standard input, -, can be read only once");
     expect_refused("impacts above.off below.off -o a.ply",
                    "impacts are written as .txt, .csv, .json or .npz, coloured as .glb");
     expect_refused("impacts above.off below.off -o above.off", "impacts are written as");

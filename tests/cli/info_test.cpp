@@ -7,7 +7,7 @@ namespace {
 
 using Info = Cli;
 
-TEST_F(Info, prints_counts_and_properties_of_a_mesh) {
+TEST_F(Info, counts_and_properties_of_a_mesh_are_printed) {
     write("five.off", five_off);
     const Outcome outcome = crumple("info five.off");
     EXPECT_EQ(outcome.status, 0);
@@ -31,7 +31,7 @@ TEST_F(Info, prints_counts_and_properties_of_a_mesh) {
               "direction\n"
               "connected components  4\n"
               "closed                no\n"
-              "volume                none, for the surface is not closed, or not consistently oriented\n");
+              "volume                none: the surface is not closed, or not consistently oriented\n");
 }
 
 /// Returns a cube in OFF whose triangles are anticlockwise from outside. The last of the twelve is given by the caller.
@@ -80,7 +80,7 @@ TEST_F(Info, check_fails_unless_surface_bounds_a_solid) {
     EXPECT_TRUE(contains(info(scaled("e200")).out, "volume                inf\n"));
 }
 
-TEST_F(Info, lists_all_open_edges) {
+TEST_F(Info, all_open_edges_are_listed) {
     write("closed.off", cube_with("3 3 7 5"));
     EXPECT_TRUE(contains(crumple("info closed.off --open-edges").out, "\nlist of open edges    0\nholes "));
     write("a.off", cube_with("3 3 5 7"));  // the last one is flipped
@@ -100,7 +100,7 @@ TEST_F(Info, lists_all_open_edges) {
     EXPECT_EQ(crumple("info a.off --open-edges --check").status, 1);
 }
 
-TEST_F(Info, writes_json) {
+TEST_F(Info, json_has_the_properties_of_each_body) {
     write("a.off", cube_with("3 3 7 5"));
     const auto json = nlohmann::json::parse(crumple("info a.off --json --unit mm").out);
     EXPECT_EQ(json["file"], "a.off");
@@ -126,7 +126,7 @@ TEST_F(Info, weld_counts_equal_positions_once) {
     EXPECT_TRUE(contains(out, "connected components  3\n")) << out;
 }
 
-TEST_F(Info, lists_degenerate_and_duplicated_triangles) {
+TEST_F(Info, degenerate_and_duplicated_triangles_are_listed) {
     // Vertices 5, 6 and 7 are exactly on one line, since each has three equal coordinates, although 0.3 is not exactly
     // three times 0.1 in float64.
     write("odd.off",
@@ -145,7 +145,7 @@ TEST_F(Info, lists_degenerate_and_duplicated_triangles) {
     EXPECT_TRUE(contains(out, "non-manifold edges    1\n")) << out;
 }
 
-TEST_F(Info, decides_degeneracy_exactly) {
+TEST_F(Info, degeneracy_is_decided_exactly) {
     // In float64, 0.3 is not exactly three times 0.1, so the points of almost.off are not on one line. Multiples by
     // powers of two are exact, so those of exactly.off are.
     write("almost.off", "OFF\n3 1 0\n1 0.1 0\n2 0.2 0\n3 0.3 0\n3 0 1 2\n");
@@ -154,7 +154,7 @@ TEST_F(Info, decides_degeneracy_exactly) {
     EXPECT_TRUE(contains(crumple("info exactly.off").out, "degenerate triangles  1 (0)\n"));
 }
 
-TEST_F(Info, shows_only_the_first_few_triangles) {
+TEST_F(Info, only_the_first_few_triangles_are_shown) {
     std::string off = "OFF\n2 1234 0\n0 0 0\n1 0 0\n";
     for (int i = 0; i < 1234; ++i) off += "3 0 1 1\n";
     write("many.off", off);
@@ -168,7 +168,7 @@ TEST_F(Info, empty_mesh_has_no_triangles) {
     EXPECT_TRUE(contains(outcome.out, "triangles             0\n")) << outcome.out << outcome.err;
 }
 
-TEST_F(Info, lists_devices_without_a_file) {
+TEST_F(Info, devices_are_listed_without_a_file) {
     const Outcome outcome = crumple("info --devices");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.err, "");

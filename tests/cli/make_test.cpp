@@ -6,7 +6,7 @@ namespace {
 
 using Make = Cli;
 
-TEST_F(Make, lists_scenes) {
+TEST_F(Make, scenes_are_listed) {
     const Outcome outcome = crumple("make --list");
     EXPECT_EQ(outcome.status, 0);
     for (const char* scene : {"cloth ", "ground ", "soup ", "needles ", "five_decades ", "bodies ", "shells ", "fans ",
@@ -16,14 +16,14 @@ TEST_F(Make, lists_scenes) {
     EXPECT_TRUE(contains(outcome.out, "92230      94"));
 }
 
-TEST_F(Make, writes_every_format) {
+TEST_F(Make, scenes_are_written_as_ply_obj_stl_and_off) {
     for (const char* name : {"s.ply", "s.obj", "s.stl", "s.off"}) {
         EXPECT_EQ(crumple(std::string("make soup --triangles 321 -o ") + name).status, 0) << name;
         EXPECT_EQ(io::read_mesh(file(name)).triangle_count(), 321) << name;
     }
 }
 
-TEST_F(Make, writes_the_last_frame_by_default) {
+TEST_F(Make, last_frame_is_written_by_default) {
     crumple("make cloth --triangles 3000 -o last.ply");
     crumple("make cloth --triangles 3000 --frame 93 -o f93.ply");
     crumple("make cloth --triangles 3000 --frame 0 -o f0.ply");
@@ -42,7 +42,7 @@ TEST_F(Make, all_frames_writes_one_file_per_frame) {
     EXPECT_EQ(read("one.ply"), read("c060.ply"));
 }
 
-TEST_F(Make, caches_simulated_frames) {
+TEST_F(Make, simulated_frames_are_cached) {
     const std::string make = "XDG_CACHE_HOME=$PWD/cache $crumple make cutting --triangles 5000 ";
     EXPECT_EQ(shell(make + "--frame 3 -o a.ply").status, 0);
     EXPECT_TRUE(fs::exists(file("cache/crumple/cutting-5000-1/frame3")));
@@ -58,7 +58,7 @@ TEST_F(Make, seed_changes_the_scene) {
     EXPECT_NE(read("a.ply"), read("c.ply"));
 }
 
-TEST_F(Make, refuses_wrong_arguments) {
+TEST_F(Make, wrong_arguments_are_refused) {
     for (const char* wrong : {"make", "make clot -o x.ply", "make cloth", "make cloth --frame 94 -o x.ply",
                               "make cloth --frame -1 -o x.ply", "make soup --triangles 0 -o x.ply",
                               "make soup --triangles many -o x.ply", "make soup -o x.doc", "make soup -o no/where.ply",

@@ -66,10 +66,10 @@ TEST_F(Misuse, wrong_value_lists_allowed_values) {
 TEST_F(Misuse, wrong_numbers_are_refused) {
     for (const char* threads : {"0", "-1", "1025", "two", "1.5"}) {
         expect_refused(std::string("detect five.off --threads ") + threads,
-                       std::string("--threads: ") + threads + " is no integer from 1 to 1024");
+                       std::string("--threads: ") + threads + " is not an integer from 1 to 1024");
     }
     for (const char* command : {"make cloth -o out.ply", "sequence --scene cloth"})
-        expect_refused(std::string(command) + " --seed -1", "--seed: -1 is no integer from 0 to");
+        expect_refused(std::string(command) + " --seed -1", "--seed: -1 is not an integer from 0 to");
     for (const char* clusters : {"0", "65", "x"}) {
         expect_refused(std::string("detect five.off --clusters ") + clusters, "--clusters");
     }
@@ -94,14 +94,14 @@ TEST_F(Misuse, incompatible_options_are_refused) {
     expect_refused("detect five.off --fuzzy-c-means max_iterations=1.5", "an integer is expected");
     expect_refused("detect five.off --fuzzy-c-means stop=0.1,fuzziness=1", "fuzziness must be finite and above 1");
     expect_refused("detect five.off --contacts -o x.glb", "hold no contacts");
-    expect_refused("detect five.off --contacts --check", "--contacts are not printed with --check");
+    expect_refused("detect five.off --contacts --check", "--contacts needs -o with --check");
     expect_refused("detect five.off -o -", "-o - needs --format");
     expect_refused("detect five.off -o - --format obj", "needs a file beside it");
     expect_refused("detect five.off -o - --format doc", "-o - --format doc: pairs are written as");
     expect_refused("detect five.off -o x.txt --format csv", "--format is for -o -");
     expect_refused("make cloth -o -", "-o - needs --format");
     expect_refused("make cutting --all-frames -o - --format ply", "--all-frames needs files");
-    expect_refused("detect - -", "standard input, -, can be read once");
+    expect_refused("detect - -", "standard input, -, can be read only once");
     expect_refused("sequence five.off --json -o x.csv", "--json");
 }
 
@@ -111,9 +111,9 @@ TEST_F(Misuse, impossible_outputs_are_refused) {
     expect_refused("detect five.off -o ''", "-o '': ");
     expect_refused("detect five.off -o x", ".txt, .csv, .json or .npz");
     expect_refused("detect five.off -o no/folder/x.txt", "there is no folder no/folder");
-    expect_refused("detect five.off -o five.off/x.txt", "five.off is no folder");
+    expect_refused("detect five.off -o five.off/x.txt", "five.off is not a folder");
     write("x.mtl", "newmtl mine\n");
-    expect_refused("detect five.off -o x.obj", "x.mtl: it holds the materials of another mesh");
+    expect_refused("detect five.off -o x.obj", "x.mtl: Crumple has not written this file");
     EXPECT_EQ(read("x.mtl"), "newmtl mine\n");
     EXPECT_FALSE(fs::exists(file("x.obj")));
     write("g.mtl", "0\n0\n0\n0\n0\n");

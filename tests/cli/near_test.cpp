@@ -98,17 +98,17 @@ TEST_F(Near, radii_are_given_per_vertex) {
     EXPECT_EQ(list("near above.off --radii radii.txt --below"), "");
     EXPECT_EQ(crumple("near above.off --radii radii.txt --check").out, "something is near\n");
     expect_refused("near above.off --radii radii.txt --radius 1", "--radi");
-    expect_refused("near above.off below.off --radii radii.txt", "--radii are of one mesh");
+    expect_refused("near above.off below.off --radii radii.txt", "--radii does not support two meshes");
     expect_refused("near above.off --radii radii.txt -o radii.txt", "would overwrite the input radii.txt");
     write("few.txt", "1\n2\n");
     expect_refused("near above.off --radii few.txt", "few.txt: 2 radii for 6 vertices");
     for (const char* const bad : {"-1", "inf", "nan", "x"}) {
         write("bad.txt", "1\n" + std::string(bad) + "\n");
-        expect_refused("near above.off --radii bad.txt", "is no radius of 0 or more");
+        expect_refused("near above.off --radii bad.txt", "is not a radius of 0 or more");
         expect_refused("near above.off --radii bad.txt", "line 2");
     }
     write("two.txt", "1 2\n");
-    expect_refused("near above.off --radii two.txt", "a radius of one vertex a line is expected");
+    expect_refused("near above.off --radii two.txt", "each line must have only one radius");
     expect_refused("near above.off --radii missing.txt", "missing.txt");
 }
 
@@ -118,7 +118,7 @@ TEST_F(Near, pairs_close_in_the_rest_shape_are_excluded) {
     EXPECT_EQ(list("near above.off --radius 1 --rest above.off --rest-radius 0.99"), closest);
     EXPECT_EQ(crumple("near above.off --radius 1 --rest above.off --rest-radius 1 --check").out, "nothing is near\n");
     expect_refused("near above.off --radius 1 --rest-radius 1", "--rest-radius needs --rest");
-    expect_refused("near above.off below.off --radius 1 --rest above.off", "--rest is of one mesh");
+    expect_refused("near above.off below.off --radius 1 --rest above.off", "--rest does not support two meshes");
     write("other.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n3 3 5 4\n");
     expect_refused("near above.off --radius 1 --rest other.off", "triangle 1 has other vertices");
 }
@@ -129,11 +129,11 @@ TEST_F(Near, features_within_rings_are_excluded) {
     EXPECT_EQ(list("near square.off --radius 1 --rings 0"), list("near square.off --radius 1"));
     EXPECT_EQ(list("near square.off --radius 1 --rings 1"), "");
     EXPECT_EQ(list("near above.off --radius 1 --rings 5"), closest) << "no edge leads there";
-    expect_refused("near above.off --radius 1 --rings -1", "-1 is no integer from 0 to 2147483647");
+    expect_refused("near above.off --radius 1 --rings -1", "-1 is not an integer from 0 to 2147483647");
 }
 
 TEST_F(Near, wrong_arguments_are_refused) {
-    expect_refused("near above.off", "near: --radius is required, or --radii");
+    expect_refused("near above.off", "near: --radius or --radii is required");
     expect_refused("near above.off --radius", "near: --radius: 1 required R missing");
     for (const char* const bad : {"-1", "inf", "nan", "1m"})
         expect_refused(std::string("near above.off --radius ") + bad,

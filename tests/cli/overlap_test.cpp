@@ -329,16 +329,16 @@ TEST_F(Overlap, error_in_a_list_names_the_place) {
         expect_refused("verify --overlaps low.off high.off " + name, name + reason);
     };
     expect_error("a.csv", heading + std::string("low,hihg,equal\n"), ", line 2: there is no body 'hihg'");
-    expect_error("a.csv", "low,high,near\n", ", line 1: 'near' is no relation of two bodies");
-    expect_error("a.csv", "low,high,equal,1\n", ", line 1: after its relation a row has all 18 numbers, or none");
+    expect_error("a.csv", "low,high,near\n", ", line 1: 'near' is not a relation of two bodies");
+    expect_error("a.csv", "low,high,equal,1\n", ", line 1: after its relation a row must have all 18 numbers, or none");
     expect_error("a.csv", "low,high,equal\n" + std::string(low_high),
                  ", line 2: some rows have numbers and some do not");
-    expect_error("a.csv", "low\n", ", line 1: 1 columns in place of 21");
+    expect_error("a.csv", "low\n", ", line 1: the row has 1 columns instead of 21");
     expect_error("a.csv", "\"low,high,equal\n", ", line 1: a quote is not closed");
     expect_error("a.json", "{}", ": there is no array \"bodies\"");
     expect_error("a.json", R"({"bodies": [[0, 2]], "relation": [1]})", ": row 0 of \"bodies\": there is no such body");
     expect_error("a.json", R"({"bodies": [[0, 1]], "relation": [6]})",
-                 ": row 0 of \"relation\": this is no relation of two bodies");
+                 ": row 0 of \"relation\": this is not a relation of two bodies");
     expect_error("a.json", R"({"bodies": [[0, 1]], "relation": [1, 1]})",
                  ": \"relation\" is not as long as \"bodies\"");
     expect_error("a.json", R"({"bodies": [[0, 1]], "relation": [1], "volume": [1]})",
@@ -369,25 +369,25 @@ TEST_F(Overlap, coloured_files_without_overlaps_show_no_overlap) {
 }
 
 TEST_F(Overlap, wrong_options_are_refused) {
-    expect_refused("overlap low.off high.off --open close", "close is none of error|skip");
+    expect_refused("overlap low.off high.off --open close", "close is not one of error|skip");
     expect_refused("overlap low.off high.off --groups bodies", "--groups");
-    expect_refused("overlap low.off high.off --any-by-world", "--any-by-world changes nothing without --poses");
+    expect_refused("overlap low.off high.off --any-by-world", "--any-by-world needs --poses");
     expect_refused("overlap low.off high.off --excluded-bodies low,hihg", "there is no body hihg; did you mean high?");
     expect_refused("overlap low.off high.off -o a.stl",
                    "overlaps are written as .txt, .csv, .json or .npz, coloured as .html, .glb, .3mf, .obj, .ply");
     expect_refused("overlap low.off high.off -o - --format obj", "a coloured .obj needs a file beside it");
-    expect_refused("overlap low.off high.off --poses p.csv -o a.glb", "--poses give rows");
+    expect_refused("overlap low.off high.off --poses p.csv -o a.glb", "with --poses, rows are written");
     expect_refused("overlap low.off high.off -o low.off", "overlaps are written as");
     expect_refused("overlap low.off high.off -o -", "-o - needs --format");
     expect_refused("overlap low.off high.off --poses p.csv --any-by-world -o a.npz",
-                   "--any-by-world gives rows, as .txt, .csv or .json");
+                   "with --any-by-world, rows are written as .txt, .csv or .json");
     expect_refused("overlap low.off high.off --poses p.csv --any-by-world --body-pairs", "excludes");
-    expect_refused("overlap - -", "standard input, -, can be read once");
+    expect_refused("overlap - -", "standard input, -, can be read only once");
     write("list.csv", heading);
     expect_refused("verify low.off high.off list.csv --min-volume 1", "--min-volume needs --overlaps");
     expect_refused("verify low.off high.off list.csv --open skip", "--open needs --overlaps");
     expect_refused("verify low.off high.off on.off list.csv", "or any number of files with --overlaps");
-    expect_refused("verify --overlaps --radius 1 low.off high.off list.csv", "are of four queries");
+    expect_refused("verify --overlaps --radius 1 low.off high.off list.csv", "exclude each other");
     expect_refused("verify --overlaps low.off high.off list.csv --kind proper", "--kind does not go with --overlaps");
     EXPECT_TRUE(contains(crumple("detect --help").out, "crumple overlap does"));
 }

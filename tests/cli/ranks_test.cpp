@@ -120,22 +120,22 @@ std::string turned(std::string ply) {
     return ply;
 }
 
-TEST_F(Ranks, read_little_endian_ply) {
+TEST_F(Ranks, ranks_read_little_endian_ply) {
     make("cloth --triangles 3000", "a.ply");
     expect_same("a.ply --contacts");
 }
 
-TEST_F(Ranks, read_big_endian_ply) {
+TEST_F(Ranks, ranks_read_big_endian_ply) {
     write("a.ply", sheets(std::endian::big));
     expect_same("a.ply --contacts");
 }
 
-TEST_F(Ranks, read_stl) {
+TEST_F(Ranks, ranks_read_stl) {
     make("lattice --triangles 1000", "a.stl");
     expect_same("a.stl --contacts");
 }
 
-TEST_F(Ranks, read_files_that_cannot_be_sliced) {
+TEST_F(Ranks, ranks_read_files_that_cannot_be_sliced) {
     make("lattice --triangles 1000", "a.obj");
     expect_same("a.obj --contacts");
     make("lattice --triangles 1000", "a.ply.gz");
@@ -147,7 +147,7 @@ TEST_F(Ranks, read_files_that_cannot_be_sliced) {
     expect_same("quads.off");
 }
 
-TEST_F(Ranks, can_outnumber_triangles) {
+TEST_F(Ranks, ranks_can_outnumber_triangles) {
     write("two.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n3 3 0.5\n3 0 1 2\n3 3 4 5\n");
     expect_same("two.off");
     EXPECT_EQ(crumple("detect two.off -o one.txt").status, 0);
@@ -162,7 +162,7 @@ TEST_F(Ranks, can_outnumber_triangles) {
     expect_same("two.stl --contacts");
 }
 
-TEST_F(Ranks, accept_options_of_the_query) {
+TEST_F(Ranks, ranks_accept_options_of_the_query) {
     write("a.ply", sheets(std::endian::little));
     for (const std::string options : {"--weld --contacts --neighbours skip", "--precision float32 --kind proper",
                                       "--groups sheet --filter between --threads 2"})
@@ -173,7 +173,7 @@ TEST_F(Ranks, accept_options_of_the_query) {
     expect_same("a.ply --groups groups.txt --filter within");
 }
 
-TEST_F(Ranks, list_near_pairs) {
+TEST_F(Ranks, ranks_list_the_near_pairs_of_one_process) {
     write("a.ply", sheets(std::endian::big));
     expect_same("near", "a.ply --radius 0.3");
     expect_same("near", "a.ply --radius 0.5 --below --precision float32 --groups sheet --filter between");
@@ -182,12 +182,12 @@ TEST_F(Ranks, list_near_pairs) {
 }
 
 // STL is welded: equal vertices are merged, which renumbers the others.
-TEST_F(Ranks, number_stl_vertices_like_one_process) {
+TEST_F(Ranks, ranks_number_stl_vertices_like_one_process) {
     make("cloth --triangles 1000", "a.stl");
     expect_same("near", "a.stl --radius 0.02 --threads 2");
 }
 
-TEST_F(Ranks, list_impacts) {
+TEST_F(Ranks, ranks_list_the_impacts_of_one_process) {
     make("cloth --triangles 3000 --frame 60", "a.ply");
     make("cloth --triangles 3000 --frame 61", "b.ply");
     expect_same("impacts", "a.ply b.ply");
@@ -195,7 +195,7 @@ TEST_F(Ranks, list_impacts) {
     expect_same("impacts", "a.ply b.ply --weld --min-distance 0.001 --min-distance-share 0.1 --backend cpu");
 }
 
-TEST_F(Ranks, list_impacts_of_files_that_cannot_be_sliced) {
+TEST_F(Ranks, ranks_list_impacts_of_files_that_cannot_be_sliced) {
     make("cloth --triangles 1000 --frame 60", "a.ply");
     make("cloth --triangles 1000 --frame 61", "b.obj");
     expect_same("impacts", "a.ply b.obj");
@@ -203,7 +203,7 @@ TEST_F(Ranks, list_impacts_of_files_that_cannot_be_sliced) {
     expect_same("impacts", "above.off below.off");
 }
 
-TEST_F(Ranks, print_pairs_in_order) {
+TEST_F(Ranks, ranks_print_pairs_in_order) {
     write("a.ply", sheets(std::endian::little));
     const Outcome one = crumple("detect a.ply"), two = ranks(2, "detect a.ply");
     EXPECT_EQ(two.status, 0);
@@ -212,7 +212,7 @@ TEST_F(Ranks, print_pairs_in_order) {
     EXPECT_FALSE(one.out.empty());
 }
 
-TEST_F(Ranks, read_standard_input_once) { EXPECT_EQ(ranks(2, "detect -", "cat five.off |").out, five_pairs); }
+TEST_F(Ranks, standard_input_is_read_once) { EXPECT_EQ(ranks(2, "detect -", "cat five.off |").out, five_pairs); }
 
 TEST_F(Ranks, check_returns_one_exit_status) {
     const Outcome some = ranks(2, "detect five.off --check");
@@ -230,7 +230,7 @@ TEST_F(Ranks, check_returns_one_exit_status) {
     EXPECT_EQ(free.out, "nothing touches\n");
 }
 
-TEST_F(Ranks, print_statistics_once) {
+TEST_F(Ranks, statistics_are_printed_once) {
     write("a.ply", sheets(std::endian::little));
     const Outcome outcome = ranks(2, "detect a.ply --stats -o a.txt");
     EXPECT_EQ(outcome.status, 0);
@@ -262,25 +262,25 @@ TEST_F(Ranks, progress_prints_each_phase) {
 
 TEST_F(Ranks, unsupported_options_are_refused) {
     expect_refused("detect five.off --groups components --filter within",
-                   "--groups components is not shared among ranks");
-    expect_refused("detect five.off --groups bodies", "--groups bodies is not shared among ranks");
-    expect_refused("detect five.off five.off", "a second mesh is not shared among ranks");
-    expect_refused("detect five.off -o a.glb", "a coloured .glb is not shared among ranks");
-    expect_refused("detect five.off -o a.csv.gz", "-o a.csv.gz, a compressed file, is not shared among ranks");
-    expect_refused("detect five.off --part 1/2", "--part is not shared among ranks");
-    expect_refused("detect five.off --polygons", "--polygons is not shared among ranks");
-    expect_refused("detect five.off --stream", "--stream is not shared among ranks");
-    expect_refused("info five.off", "info is not shared among ranks");
+                   "--groups components is not supported on several ranks");
+    expect_refused("detect five.off --groups bodies", "--groups bodies is not supported on several ranks");
+    expect_refused("detect five.off five.off", "a second mesh is not supported on several ranks");
+    expect_refused("detect five.off -o a.glb", "a coloured .glb is not supported on several ranks");
+    expect_refused("detect five.off -o a.csv.gz", "-o a.csv.gz, a compressed file, is not supported on several ranks");
+    expect_refused("detect five.off --part 1/2", "--part is not supported on several ranks");
+    expect_refused("detect five.off --polygons", "--polygons is not supported on several ranks");
+    expect_refused("detect five.off --stream", "--stream is not supported on several ranks");
+    expect_refused("info five.off", "info is not supported on several ranks");
     for (const std::string option : {"--radii r.txt", "--radius 1 --rest five.off", "--radius 1 --rings 1",
                                      "--radius 1 --stream", "--radius 1 -o a.glb"})
-        expect_refused("near five.off " + option, " is not shared among ranks");
-    expect_refused("near five.off five.off --radius 1", "a second mesh is not shared among ranks");
+        expect_refused("near five.off " + option, " is not supported on several ranks");
+    expect_refused("near five.off five.off --radius 1", "a second mesh is not supported on several ranks");
     for (const std::string option :
          {"--triangle-pairs", "--candidates", "--stream", "-o a.glb", "--groups components --filter within"})
-        expect_refused("impacts five.off five.off " + option, " is not shared among ranks");
+        expect_refused("impacts five.off five.off " + option, " is not supported on several ranks");
     write("rod.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nl 3 4\n");
-    expect_refused("near rod.obj --radius 1", "a mesh with lines (l) is not shared among ranks");
-    expect_refused("impacts rod.obj rod.obj", "a mesh with lines (l) is not shared among ranks");
+    expect_refused("near rod.obj --radius 1", "a mesh with lines (l) is not supported on several ranks");
+    expect_refused("impacts rod.obj rod.obj", "a mesh with lines (l) is not supported on several ranks");
 }
 
 TEST_F(Ranks, single_rank_accepts_unsupported_options) {
@@ -297,7 +297,7 @@ TEST_F(Ranks, environment_variable_disables_sharing) {
     EXPECT_EQ(outcome.out, std::string(five_pairs) + five_pairs);
 }
 
-TEST_F(Ranks, fail_like_one_process) {
+TEST_F(Ranks, ranks_fail_like_one_process) {
     expect_as_one_process("detect missing.ply");
     expect_as_one_process("detect five.off --fast");
     expect_as_one_process("detect five.off --backend reference --clusters 2");

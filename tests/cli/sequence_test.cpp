@@ -48,7 +48,7 @@ class Sequence : public Cli {
     }
 };
 
-TEST_F(Sequence, computes_contacts_on_request) {
+TEST_F(Sequence, contacts_are_computed_on_request) {
     write("flat.off", "OFF\n6 2 0\n0 0 0\n2 0 0\n0 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 3 4 5\n");
     const Outcome outcome = crumple("sequence flat.off flat.off --contacts --stats");
     EXPECT_EQ(outcome.status, 0);
@@ -58,7 +58,7 @@ TEST_F(Sequence, computes_contacts_on_request) {
     EXPECT_TRUE(contains(text_of(file("flat.json").string()), "\"rational_contacts\": 1,"));
 }
 
-TEST_F(Sequence, writes_one_row_per_frame) {
+TEST_F(Sequence, each_frame_has_one_row) {
     const Outcome outcome = crumple("sequence a.off 'b,2.off' a.off");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.err, "");
@@ -71,7 +71,7 @@ TEST_F(Sequence, writes_one_row_per_frame) {
     EXPECT_EQ(std::count(rows[1].begin(), rows[1].end(), ','), std::count(rows[0].begin(), rows[0].end(), ','));
 }
 
-TEST_F(Sequence, writes_csv_and_json) {
+TEST_F(Sequence, rows_are_written_as_csv_and_json) {
     EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o t.csv").out, "");
     EXPECT_EQ(lines(read("t.csv")).size(), 3u);
     EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o t.json").out, "");
@@ -84,7 +84,7 @@ TEST_F(Sequence, writes_csv_and_json) {
     }
 }
 
-TEST_F(Sequence, accepts_a_scene_instead_of_files) {
+TEST_F(Sequence, scene_can_replace_files) {
     const auto rows = lines(crumple("sequence --scene cutting --triangles 300").out);
     ASSERT_EQ(rows.size(), 121u);
     EXPECT_TRUE(rows[1].starts_with("0,")) << rows[1];
@@ -101,7 +101,7 @@ TEST_F(Sequence, accepts_a_scene_instead_of_files) {
     }
 }
 
-TEST_F(Sequence, writes_coloured_frames) {
+TEST_F(Sequence, coloured_frames_are_written) {
     EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o c.ply -o c.obj -o c.glb -o t.csv").out, "");
     EXPECT_EQ(lines(read("t.csv")).size(), 3u);
     EXPECT_EQ(io::read_mesh(file("c0.ply")).triangle_count(), 5);
@@ -137,7 +137,7 @@ TEST_F(Sequence, standard_output_accepts_csv_json_and_glb) {
         EXPECT_EQ(crumple(std::string("sequence a.off ") + wrong).status, 2) << wrong;
 }
 
-TEST_F(Sequence, refuses_wrong_arguments) {
+TEST_F(Sequence, wrong_arguments_are_refused) {
     for (const char* wrong :
          {"sequence", "sequence a.off --scene cloth", "sequence --scene clot", "sequence a.off --triangles 5",
           "sequence a.off --seed 2", "sequence a.off -o x.stl", "sequence a.off --json -o x.csv",
@@ -149,7 +149,7 @@ TEST_F(Sequence, refuses_wrong_arguments) {
     }
 }
 
-TEST_F(Sequence, accepts_options_of_detect) {
+TEST_F(Sequence, options_of_detect_are_accepted) {
     EXPECT_TRUE(contains(crumple("sequence a.off --neighbours skip").out, "a.off,5,2,"));
     EXPECT_TRUE(contains(crumple("sequence a.off --kind proper --threads 1").out, "a.off,5,1,"));
     EXPECT_TRUE(contains(crumple("sequence a.off --groups components --filter within").out, "a.off,5,1,"));
@@ -161,13 +161,13 @@ TEST_F(Sequence, check_reports_collisions_by_exit_status) {
     EXPECT_EQ(crumple("sequence 'b,2.off' 'b,2.off' --check").status, 0);
 }
 
-TEST_F(Sequence, sums_statistics_over_frames) {
+TEST_F(Sequence, statistics_are_summed_over_frames) {
     const std::string err = crumple("sequence a.off a.off --stats").err;
     EXPECT_TRUE(contains(err, "triangles                   10\n")) << err;
     EXPECT_TRUE(contains(err, "pairs                        6  10 triangles collide\n")) << err;
 }
 
-TEST_F(Sequence, prints_rows_before_a_bad_frame) {
+TEST_F(Sequence, rows_before_a_bad_frame_are_printed) {
     const Outcome outcome = crumple("sequence a.off missing.off a.off");
     EXPECT_EQ(outcome.status, 2);
     EXPECT_TRUE(is_error_line(outcome.err) && contains(outcome.err, "missing.off")) << outcome.err;
@@ -175,7 +175,7 @@ TEST_F(Sequence, prints_rows_before_a_bad_frame) {
     EXPECT_EQ(nlohmann::json::parse(crumple("sequence --json a.off missing.off").out).size(), 1u);
 }
 
-TEST_F(Sequence, writes_times_to_the_microsecond) {
+TEST_F(Sequence, times_are_written_to_the_microsecond) {
     for (const auto& row : nlohmann::json::parse(crumple("sequence --json a.off a.off").out)) {
         const std::string time = row["milliseconds"].dump();
         EXPECT_LE(time.size() - std::min(time.find('.'), time.size()), 4u) << time;
@@ -232,7 +232,7 @@ TEST_F(Sequence, impacts_are_listed_per_step) {
     EXPECT_TRUE(contains(stats.err, "1  impacts of all steps")) << stats.err;
 }
 
-TEST_F(Sequence, impacts_work_with_a_scene) {
+TEST_F(Sequence, impacts_of_a_scene_are_listed) {
     const auto rows = lines(crumple("sequence --scene cloth --triangles 200 --impacts").out);
     ASSERT_GT(rows.size(), 2u);
     EXPECT_TRUE(rows[1].starts_with("0,")) << rows[1];
@@ -246,8 +246,8 @@ TEST_F(Sequence, wrong_arguments_of_impacts_are_refused) {
         EXPECT_TRUE(is_error_line(outcome.err)) << outcome.err;
         EXPECT_TRUE(contains(outcome.err, reason)) << outcome.err;
     };
-    refused("above.off --impacts", "--impacts is of two frames or more");
-    refused("above.off a.off --impacts", "above.off and a.off are to be one mesh at two times");
+    refused("above.off --impacts", "--impacts needs two frames or more");
+    refused("above.off a.off --impacts", "above.off and a.off must be one mesh at two times");
     refused("above.off above.off --min-distance 1",
             "--min-distance, --min-distance-share and --approaching-only need --impacts");
     refused("above.off above.off --impacts --contacts", "--contacts does not go with --impacts");

@@ -12,7 +12,7 @@ class StreamOfFeatures : public Moving {
                                            "near above.off --radius 2", "near above.off below.off --radius 0.5"};
 };
 
-TEST_F(StreamOfFeatures, has_the_same_lines) {
+TEST_F(StreamOfFeatures, stream_has_the_same_lines_as_the_list) {
     for (const std::string& query : queries) {
         const std::string expected = sorted_lines(list(query));
         EXPECT_FALSE(expected.empty());
@@ -41,7 +41,7 @@ TEST_F(StreamOfFeatures, empty_result_is_an_empty_list) {
     EXPECT_EQ(list("impacts above.off above.off --stream"), "");
 }
 
-TEST_F(StreamOfFeatures, is_only_one_list) {
+TEST_F(StreamOfFeatures, only_one_list_can_be_streamed) {
     for (const std::string& query : queries)
         for (const std::string bad : {"-o a.json", "-o a.npz", "-o a.txt -o b.txt", "-o - --format json"})
             expect_refused(query + " --stream " + bad, "--stream writes one list, as .txt or .csv");

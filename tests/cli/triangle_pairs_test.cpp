@@ -17,7 +17,7 @@ class TrianglePairs : public Moving {
 
 const std::string falling = "impacts above.off below.off --triangle-pairs", stuck = "impacts start.off end.off";
 
-TEST_F(TrianglePairs, include_intersections_at_the_start_and_impacts) {
+TEST_F(TrianglePairs, triangle_pairs_include_intersections_at_the_start) {
     EXPECT_EQ(list(falling), "ff 0 1 0.5 0\n");
     EXPECT_EQ(list(falling + " --backend reference"), "ff 0 1 0.5 0\n");
     EXPECT_EQ(list(stuck), "");
@@ -49,7 +49,7 @@ TEST_F(TrianglePairs, list_with_pairs_and_impacts_can_be_verified) {
     EXPECT_EQ(crumple("verify --impacts above.off below.off less.txt").status, 1);
 }
 
-TEST_F(TrianglePairs, decide_the_exit_status) {
+TEST_F(TrianglePairs, triangle_pairs_decide_the_exit_status) {
     EXPECT_EQ(crumple(stuck + " --check").status, 0);
     EXPECT_EQ(crumple(stuck + " --triangle-pairs --check").status, 1);
     EXPECT_EQ(crumple(stuck + " --triangle-pairs --check -o a.txt").status, 1);

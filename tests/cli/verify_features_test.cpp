@@ -15,7 +15,7 @@ class VerifyFeatures : public Moving {
     }
 };
 
-TEST_F(VerifyFeatures, reads_every_format_that_is_written) {
+TEST_F(VerifyFeatures, lists_in_every_format_can_be_verified) {
     write("upper.off", "OFF\n3 1 0\n1 1 1\n2 1 2\n1 2 2\n3 0 1 2\n");
     for (const std::string name : {"a.txt", "a.csv", "a.json", "a.npz"}) {
         ASSERT_EQ(crumple("impacts above.off below.off -o " + name).status, 0);
@@ -33,7 +33,7 @@ TEST_F(VerifyFeatures, reads_every_format_that_is_written) {
               0);
 }
 
-TEST_F(VerifyFeatures, lists_every_mistake) {
+TEST_F(VerifyFeatures, every_mistake_is_listed) {
     EXPECT_EQ(impacts("vf 3 0 0.5 0\n").status, 0);
     EXPECT_EQ(impacts("# none\n").out,
               "wrong: 1 impacts, 1 missed, 0 false, 0 late, 0 early, 0 repeated\nmissed vf 3 0 0.5\n");
@@ -59,7 +59,7 @@ TEST_F(VerifyFeatures, contact_at_the_start_precedes_time_zero) {
         "wrong: 1 impacts, 0 missed, 0 false, 1 late, 0 early, 0 repeated\nlate vf 3 0 0, it is 0 at the start\n");
 }
 
-TEST_F(VerifyFeatures, checks_distances) {
+TEST_F(VerifyFeatures, wrong_distances_are_found) {
     EXPECT_EQ(near("vf 3 0 1\n").out, "right: 1 near pairs, 0 missed, 0 false, 0 far, 0 close, 0 repeated\n");
     EXPECT_EQ(near("vf 3 0 1.5\n").out,
               "wrong: 1 near pairs, 0 missed, 0 false, 1 far, 0 close, 0 repeated\nfar vf 3 0 1.5, it is 1\n");
@@ -69,14 +69,14 @@ TEST_F(VerifyFeatures, checks_distances) {
               "wrong: 0 near pairs, 0 missed, 1 false, 0 far, 0 close, 0 repeated\nfalse vf 3 0 1\n");
 }
 
-TEST_F(VerifyFeatures, order_does_not_matter) {
+TEST_F(VerifyFeatures, rows_and_vertices_can_have_any_order) {
     ASSERT_EQ(crumple("near above.off --radius 1.5 -o list.txt").status, 0);
     write("list.txt", "ee 3 4 2 0 2\nee 5 3 0 1 2\nee 0 1 3 4 2\nvf 3 0 1\nee 0 2 3 5 2\n");
     const Outcome outcome = crumple("verify --radius 1.5 above.off list.txt");
     EXPECT_EQ(outcome.status, 0) << outcome.out;
 }
 
-TEST_F(VerifyFeatures, checks_candidates_of_one_file_or_a_step) {
+TEST_F(VerifyFeatures, candidates_of_one_file_or_a_step_can_be_verified) {
     write("list.txt", "ee 5 3 2 1\nvf 3 0\nee 1 2 3 4\n");
     Outcome outcome = crumple("verify --candidates above.off below.off list.txt");
     EXPECT_EQ(outcome.status, 0);
@@ -102,18 +102,18 @@ TEST_F(VerifyFeatures, wrong_arguments_are_refused) {
     write("two.txt", "vf 0:3 1:0 0.5 0\n");
     expect_refused("verify --impacts above.off list.txt", "verify --impacts takes START, END and a list");
     expect_refused("verify --impacts --radius 1 above.off list.txt",
-                   "--impacts, --candidates and --radius are of three queries");
-    expect_refused("verify --impacts --candidates above.off list.txt", "three queries");
+                   "--impacts, --candidates and --radius exclude each other");
+    expect_refused("verify --impacts --candidates above.off list.txt", "exclude each other");
     expect_refused("verify --candidates --below above.off list.txt", "--below needs --radius");
     expect_refused("verify --inflation 0 above.off list.txt", "--inflation needs --candidates");
     expect_refused("verify --radius 1 --kinds face_face above.off list.txt", "--kinds needs --candidates");
     expect_refused("verify --candidates above.off list.txt --polygons", "--polygons does not go with --candidates");
-    expect_refused("verify --candidates above.off list.txt", "list.txt, line 1: '0.5' is left over");
+    expect_refused("verify --candidates above.off list.txt", "list.txt, line 1: unexpected '0.5' after the last value");
     expect_refused("verify --min-distance 1 above.off list.txt",
                    "--min-distance, --min-distance-share and --approaching-only need --impacts");
     expect_refused("verify --below above.off list.txt", "--below needs --radius");
-    expect_refused("verify --impacts above.off below.off two.txt", "ids of one mesh have no number of a file");
-    expect_refused("verify --radius 1 above.off below.off list.txt", "ids of two files are 0:ID and 1:ID");
+    expect_refused("verify --impacts above.off below.off two.txt", "ids of one mesh must have no file number");
+    expect_refused("verify --radius 1 above.off below.off list.txt", "ids of two files must be 0:ID or 1:ID");
     expect_refused("verify --radius 1 above.off list.txt --format json", "--format is for a list from standard input");
     for (const char* const option : {"--neighbours skip", "--kind proper", "--part 1/1", "--polygons"})
         expect_refused(std::string("verify --impacts above.off below.off list.txt ") + option,

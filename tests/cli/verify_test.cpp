@@ -16,7 +16,7 @@ class Verify : public Cli {
     }
 };
 
-TEST_F(Verify, accepts_pairs_in_any_order) {
+TEST_F(Verify, pairs_can_have_any_order) {
     for (const char* list : {five_pairs, "2 4\n0 1\n0 3\n", "# mine\n4 2\n1 0\n\n3 0\n"}) {
         const Outcome outcome = verify(list);
         EXPECT_EQ(outcome.status, 0) << list;
@@ -25,7 +25,7 @@ TEST_F(Verify, accepts_pairs_in_any_order) {
     }
 }
 
-TEST_F(Verify, reads_every_format_of_detect) {
+TEST_F(Verify, lists_in_every_format_can_be_verified) {
     for (const char* list : {"a.txt", "a.csv", "a.json", "a.npz"}) {
         ASSERT_EQ(crumple(std::string("detect five.off two.off --contacts -o ") + list).status, 0);
         EXPECT_EQ(crumple(std::string("verify five.off two.off ") + list).status, 0) << list;
@@ -33,7 +33,7 @@ TEST_F(Verify, reads_every_format_of_detect) {
     }
 }
 
-TEST_F(Verify, lists_every_mistake) {
+TEST_F(Verify, every_mistake_is_listed) {
     const Outcome outcome = verify("0 1\n1 2\n0 1\n2 2\n0 3\n1 0\n2 9\n");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.out,
@@ -41,18 +41,18 @@ TEST_F(Verify, lists_every_mistake) {
               "repeated 0 1\n");
 }
 
-TEST_F(Verify, any_single_mistake_fails) {
+TEST_F(Verify, any_single_mistake_fails_verification) {
     EXPECT_EQ(verify("0 1\n0 3\n").status, 1);
     EXPECT_EQ(verify("0 1\n0 3\n2 4\n3 4\n").status, 1);
     EXPECT_EQ(verify("0 1\n0 3\n2 4\n2 4\n").status, 1);
 }
 
-TEST_F(Verify, order_matters_between_two_meshes) {
+TEST_F(Verify, order_of_ids_matters_between_two_meshes) {
     EXPECT_EQ(verify("0 1\n2 0\n3 1\n4 0\n", "five.off two.off").status, 0);
     EXPECT_EQ(verify("1 0\n2 0\n3 1\n4 0\n", "five.off two.off").status, 1);
 }
 
-TEST_F(Verify, accepts_options_that_change_the_result) {
+TEST_F(Verify, options_that_change_the_result_are_accepted) {
     EXPECT_EQ(verify("0 1\n0 3\n", "five.off", "--neighbours skip").status, 0);
     EXPECT_EQ(verify("0 1\n", "five.off", "--kind proper").status, 0);
     EXPECT_EQ(verify("0 1\n2 4\n", "five.off", "--weld --backend reference").status, 0);
@@ -60,7 +60,7 @@ TEST_F(Verify, accepts_options_that_change_the_result) {
     EXPECT_EQ(verify(five_pairs, "five.off", "--part 1/1").status, 0);
 }
 
-TEST_F(Verify, shows_only_the_first_few_mistakes) {
+TEST_F(Verify, only_the_first_few_mistakes_are_shown) {
     std::string list;
     for (int i = 100; i < 125; ++i) list += "0 " + std::to_string(i) + "\n";
     const std::string out = verify(list).out;

@@ -109,7 +109,7 @@ TEST(LeafFrame, frame_follows_edges_of_a_rotated_part) {
     EXPECT_LT(slant(across, axis(1), axis(2)), 0.1);
 }
 
-TEST(Build, boxes_and_planes_hold_their_triangles) {
+TEST(LeafRecords, boxes_and_planes_hold_their_triangles) {
     std::mt19937 engine(4);
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
     constexpr int n = 500;

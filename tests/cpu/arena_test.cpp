@@ -14,7 +14,7 @@ namespace {
 using test::difference;
 using test::pairs_of;
 
-TEST(Arena, detectors_work_inside_callers_tasks) {
+TEST(Arena, detectors_inside_callers_tasks_give_the_same_pairs) {
     const auto sheet = test::wavy_sheet(60);
     Detector plain;
     const auto expected = pairs_of(plain.find(sheet.view()));

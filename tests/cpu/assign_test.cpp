@@ -25,7 +25,7 @@ Array<Ball> make_balls(const Centres& centres, int count, std::mt19937& engine) 
     return balls;
 }
 
-TEST(Assign, ball_is_member_of_each_cluster_nearest_to_one_of_its_points) {
+TEST(ClusterMembership, ball_is_member_of_each_cluster_nearest_to_one_of_its_points) {
     std::mt19937 engine(11);
     const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
     for (const StageKernels* kernels : all_stage_kernels()) {
@@ -71,7 +71,7 @@ TEST(Assign, ball_is_member_of_each_cluster_nearest_to_one_of_its_points) {
     }
 }
 
-TEST(Assign, members_are_listed_and_no_mask_is_written_past_the_end) {
+TEST(ClusterMembership, members_are_listed_and_no_mask_is_written_past_the_end) {
     std::mt19937 engine(7);
     const auto random_mask = [&] { return std::uint64_t{engine()} << 32 | engine(); };
     for (const StageKernels* kernels : all_stage_kernels()) {
@@ -104,7 +104,7 @@ TEST(Assign, members_are_listed_and_no_mask_is_written_past_the_end) {
     }
 }
 
-TEST(Assign, small_balls_belong_to_few_clusters) {
+TEST(ClusterMembership, small_balls_belong_to_few_clusters) {
     std::mt19937 engine(5);
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
     Centres centres;

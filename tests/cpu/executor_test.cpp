@@ -171,7 +171,7 @@ TEST(Executor, invalid_concurrency_is_rejected) {
     }
 }
 
-TEST(Executor, executors_work_under_a_memory_limit) {
+TEST(Executor, executors_give_the_same_bytes_under_a_memory_limit) {
     const auto soup = test::random_soup(3000, 0.7);
     Detector own({.backend = Backend::cpu, .threads = 1});
     const Intersections expected = own.find(soup.view());

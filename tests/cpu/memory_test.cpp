@@ -51,7 +51,7 @@ TEST(MemoryLimit, limited_call_gives_same_result_or_names_larger_limit) {
     }
 }
 
-TEST(MemoryLimit, two_welded_meshes_with_groups_work_under_a_limit) {
+TEST(MemoryLimit, two_welded_meshes_give_the_same_pairs_under_a_limit) {
     auto a = test::wavy_sheet(50), b = test::wavy_sheet(60, 0.4);
     a.groups.assign(a.triangles.size(), 1);
     b.groups.assign(b.triangles.size(), 2);

@@ -153,7 +153,7 @@ TEST(Verdict, no_filter_drops_or_invents_a_collision) {
 
 // The SIMD filters (lanes) may round differently from the filters for one pair, so in a few cases only one of the two
 // reaches a verdict. They never reach opposite verdicts.
-TEST(Verdict, lanes_agree_with_filters_for_one_pair) {
+TEST(Verdict, simd_filters_never_contradict_filters_for_one_pair) {
     std::mt19937 engine(32);
     for (const bool lattice : {false, true})
         for (const float thickness : {1.0f, 0.02f, 1e-6f, 0.0f})

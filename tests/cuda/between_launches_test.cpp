@@ -36,7 +36,7 @@ class CudaBetweenLaunches : public testing::Test {
     }
     void expect_nothing(const LaunchTicket<IntersectionQuery>& launched) {
         EXPECT_STREQ(error_of([&] { launched.wait(); }).what(),
-                     "there is nothing to wait for: another call has come after this launch");
+                     "wait() is too late: another call of the detector came after this launch");
     }
 };
 
@@ -55,7 +55,8 @@ TEST_F(CudaBetweenLaunches, feature_query_may_follow_a_wait) {
         const auto launched = cuda_.launch(device_.view());
         expect_result(launched);
         expect_features();
-        EXPECT_STREQ(error_of([&] { launched.download(); }).what(), "download() needs a wait() for meshes before it");
+        EXPECT_STREQ(error_of([&] { launched.download(); }).what(),
+                     "download() is for launches of meshes, and must come right after their wait()");
     }
 }
 

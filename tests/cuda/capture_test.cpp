@@ -86,7 +86,7 @@ TEST(CudaCapture, wait_gives_the_result_of_the_last_replay) {
 }
 
 // Pairs that expansions cannot represent, and contacts of coplanar triangles, are computed by the host in wait().
-TEST(CudaCapture, host_decides_what_the_device_cannot) {
+TEST(CudaCapture, host_decides_pairs_that_the_device_cannot) {
     const IntersectionQuery query{.output = Output::contacts};
     std::int64_t rational = 0, unresolved = 0;
     for (const NamedMesh& scene : hard_soups()) {
@@ -127,7 +127,7 @@ TEST(CudaCapture, two_meshes_on_two_streams_can_be_captured) {
     EXPECT_EQ(message_of([&] {
                   cuda.launch({first, second});
               }),
-              "the streams of two meshes take part in one capture, or in none");
+              "the streams of both meshes must be in the same capture, or in none");
     check(cudaEventRecord(fork, recorder.stream()));
     check(cudaStreamWaitEvent(other.stream(), fork, 0));
     const auto launched = cuda.launch({first, second});
@@ -150,7 +150,7 @@ TEST(CudaCapture, legacy_stream_beside_a_captured_one_is_rejected) {
     for (const cudaStream_t legacy : {cudaStream_t{}, cudaStreamLegacy}) {
         b.stream = legacy;
         check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal));
-        const std::string refused = "the streams of two meshes take part in one capture, or in none";
+        const std::string refused = "the streams of both meshes must be in the same capture, or in none";
         EXPECT_EQ(message_of([&] { cuda.launch({a, b}); }), refused);
         EXPECT_EQ(message_of([&] { cuda.launch({b, a}); }), refused);
         cudaGraph_t graph = nullptr;
@@ -198,7 +198,8 @@ TEST(CudaCapture, incomplete_replay_reports_pairs_needed) {
         EXPECT_LE(found.pairs_needed, pairs);
         EXPECT_EQ(found.count, 0);
         EXPECT_EQ(found.pairs, nullptr);
-        EXPECT_EQ(message_of([&] { launched.download(); }), "download() needs an answer that is complete");
+        EXPECT_EQ(message_of([&] { launched.download(); }),
+                  "download() needs a complete result; call launch() outside of the capture, and capture again");
     }
     // The graph still works for scenes that fit. After a sudden change, the first replay may be incomplete, but it
     // warm-starts the next one.
@@ -207,7 +208,7 @@ TEST(CudaCapture, incomplete_replay_reports_pairs_needed) {
     device.set_vertices(dense.view());
     warm_up(cuda, view);
     EXPECT_EQ(message_of([&] { launched.wait(); }),
-              "there is nothing to wait for: another call has come after this launch");
+              "wait() is too late: another call of the detector came after this launch");
     warm_up(cuda, view);
     recorder.begin();
     const auto again = cuda.launch(view);
@@ -285,18 +286,21 @@ TEST(CudaCapture, calls_in_the_wrong_order_are_rejected) {
     warm_up(cuda, view);
     const auto before = cuda.launch(view);
     recorder.begin();
-    EXPECT_EQ(message_of([&] { cuda.launch(view); }), "a launch in a capture comes after wait() for the one before");
+    EXPECT_EQ(message_of([&] { cuda.launch(view); }),
+              "launches are in flight; call wait() for them before a launch in a capture");
     recorder.end();
     before.wait();
     recorder.begin();
     const auto launched = cuda.launch(view);
-    EXPECT_EQ(message_of([&] { cuda.launch(view); }), "a detector's launches in a capture are one at most");
-    EXPECT_EQ(message_of([&] { launched.wait(); }), "the capture that a launch was put into has not ended");
+    EXPECT_EQ(message_of([&] { cuda.launch(view); }), "a capture can have only one launch of a detector");
+    EXPECT_EQ(message_of([&] { launched.wait(); }),
+              "a capture with a launch of this detector has not ended; end it before this call");
     recorder.end();
     EXPECT_EQ(message_of([&] { before.wait(); }),
-              "there is nothing to wait for: another call has come after this launch");
+              "wait() is too late: another call of the detector came after this launch");
     EXPECT_EQ(message_of([&] { launched.wait(); }), "wait() needs a replay of the captured launch before it");
-    EXPECT_EQ(message_of([&] { launched.download(); }), "download() needs a wait() for meshes before it");
+    EXPECT_EQ(message_of([&] { launched.download(); }),
+              "download() is for launches of meshes, and must come right after their wait()");
     recorder.replay();
     EXPECT_TRUE(shows(launched.wait(), view, nullptr, expected));
     EXPECT_EQ(message_of([&] { launched.wait(); }), "wait() needs a replay of the captured launch before it");
@@ -306,7 +310,7 @@ TEST(CudaCapture, calls_in_the_wrong_order_are_rejected) {
     // Another call may reallocate the lists, and ends the captured launch.
     EXPECT_TRUE(same_result(cuda.find(mesh.view()), expected));
     EXPECT_EQ(message_of([&] { launched.wait(); }),
-              "there is nothing to wait for: another call has come after this launch");
+              "wait() is too late: another call of the detector came after this launch");
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ TEST(CudaDeviceFeatures, group_filters_match_the_cpu) {
     }
 }
 
-constexpr const char* not_the_oldest = "an older launch is in flight: launches are waited for in their order";
+constexpr const char* not_the_oldest = "an older launch is in flight; call wait() in the order of the launches";
 
 // Two launches of different kinds may be in flight. wait() must be called in the order of the launches.
 TEST(CudaDeviceFeatures, launches_of_all_kinds_may_alternate) {
@@ -214,7 +214,7 @@ TEST(CudaDeviceFeatures, launches_of_all_kinds_may_alternate) {
         const auto impacts = cuda.launch(a.view().moving_to(a.end()), ImpactQuery());
         const auto proximities = cuda.launch(b.view(), near);
         EXPECT_STREQ(error_of([&] { cuda.launch(a.view()); }).what(),
-                     "two launches are in flight: the next one comes after a wait()");
+                     "two launches are in flight; call wait() before the next launch");
         EXPECT_STREQ(error_of([&] { proximities.wait(); }).what(), not_the_oldest);
         EXPECT_TRUE(shows(impacts.wait(), cpu.find(first.view().moving_to(first.end_view()), ImpactQuery())));
         const auto intersections = cuda.launch(b.view());
@@ -225,11 +225,10 @@ TEST(CudaDeviceFeatures, launches_of_all_kinds_may_alternate) {
         EXPECT_TRUE(same_result(intersections.download(), cpu.find(second.view())));
         EXPECT_TRUE(shows(candidates.wait(), cpu.find(second.view().moving_to(second.end_view()), CandidateQuery())));
         EXPECT_STREQ(error_of([&] { intersections.download(); }).what(),
-                     "download() needs a wait() for meshes before it");
-        EXPECT_STREQ(error_of([&] { candidates.wait(); }).what(),
-                     "wait() needs a launch before it: this one has been waited for");
+                     "download() is for launches of meshes, and must come right after their wait()");
+        EXPECT_STREQ(error_of([&] { candidates.wait(); }).what(), "wait() has already been called for this launch");
         EXPECT_STREQ(error_of([&] { impacts.wait(); }).what(),
-                     "there is nothing to wait for: another call has come after this launch");
+                     "wait() is too late: another call of the detector came after this launch");
     }
 }
 
@@ -415,7 +414,7 @@ TEST(CudaDeviceFeatures, results_under_a_memory_limit_match_the_cpu) {
     EXPECT_GT(error.bytes_needed, 100'000);
 }
 
-TEST(CudaDeviceFeatures, detectors_work_on_several_threads_at_once) {
+TEST(CudaDeviceFeatures, detectors_on_several_threads_match_the_cpu) {
     std::vector<std::thread> threads;
     for (int i = 0; i < 3; ++i)
         threads.emplace_back([i] {

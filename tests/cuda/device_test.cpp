@@ -214,7 +214,7 @@ TEST(CudaDevice, every_call_reports_an_invalid_vertex_index) {
     }
 }
 
-TEST(CudaDevice, long_rows_are_sorted) {
+TEST(CudaDevice, thousand_pairs_of_one_triangle_are_sorted) {
     // One long triangle through a stack of small ones: more pairs with one first triangle than threads that sort them.
     std::vector<std::array<float, 3>> vertices{{0, 0, -1}, {0, 0.25f, -1}, {0, 0, 1001}};
     std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};

@@ -135,7 +135,7 @@ TEST_F(CudaMachineDeviceWorlds, failed_allocation_of_a_launch_is_a_device_error)
     EXPECT_TRUE(shows_world(cuda.launch(device.view()).wait(), expected));
 }
 
-TEST_F(CudaMachineDeviceWorlds, find_takes_more_worlds_than_one_launch) {
+TEST_F(CudaMachineDeviceWorlds, find_accepts_more_worlds_than_a_launch) {
     const auto soup = random_soup<float>(1, 0.3, 1);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
     std::vector<Body> bodies;
@@ -151,7 +151,7 @@ TEST_F(CudaMachineDeviceWorlds, find_takes_more_worlds_than_one_launch) {
     const IntersectionQuery query{.output = Output::any_by_world};
     EXPECT_TRUE(same_world_result(cuda.find(device.view(), query), cpu.find(World{shapes, bodies, poses}, query)));
     EXPECT_STREQ(error_of([&] { cuda.launch(device.view(), query); }).what(),
-                 "a launch takes at most 65535 worlds, and 16777216 triangles together");
+                 "a launch supports at most 65535 worlds, and 16777216 triangles in all of them; find() supports more");
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ TEST(CudaDeviceWorlds, two_launches_may_be_in_flight) {
         SCOPED_TRACE(turn);
         const auto one_launched = cuda.launch(first.view()), two_launched = cuda.launch(second.view());
         EXPECT_STREQ(error_of([&] { cuda.launch(first.view()); }).what(),
-                     "two launches are in flight: the next one comes after a wait()");
+                     "two launches are in flight; call wait() before the next launch");
         EXPECT_TRUE(shows_world(one_launched.wait(), of_one));
         const auto again = cuda.launch(first.view());
         EXPECT_TRUE(shows_world(two_launched.wait(), of_two));
@@ -149,7 +149,8 @@ TEST(CudaDeviceWorlds, launches_of_worlds_and_meshes_may_alternate) {
     const auto message_of = [](auto call) { return std::string(error_of(call).what()); };
     const auto older = cuda.launch(device.view()), of_mesh = cuda.launch(on_device.view());
     EXPECT_EQ(older.wait().worlds, 3);
-    EXPECT_EQ(message_of([&] { older.download(); }), "download() needs a wait() for meshes before it");
+    EXPECT_EQ(message_of([&] { older.download(); }),
+              "download() is for launches of meshes, and must come right after their wait()");
     const auto newer = cuda.launch(device.view());
     EXPECT_EQ(of_mesh.wait().hit_count, 90);
     EXPECT_EQ(newer.wait().worlds, 3);
@@ -310,14 +311,14 @@ TEST(CudaDeviceWorlds, unsupported_calls_are_rejected) {
         return std::string(error.what());
     };
     EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.output = Output::body_pairs}); }),
-              "which bodies collide is told by find(), not by a launch");
+              "output must not be body_pairs: launches do not support it; use find()");
     EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.index = true}); }),
-              "index must be false: of a launch there are offsets of worlds only");
+              "index must be false: launches make offsets by world only");
     EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.output = Output::any, .containment = true}); }),
-              "containment must be false: launches find the surfaces that meet");
+              "containment must be false: launches do not support it");
     EXPECT_EQ(message_of([&] { cuda.find(world->view(), {.output = Output::any, .containment = true}); }),
               "containment needs the cpu backend (Options::backend)");
-    EXPECT_EQ(message_of([&] { cuda.launch(world->view()); }), "launch takes worlds whose poses lie in device memory");
+    EXPECT_EQ(message_of([&] { cuda.launch(world->view()); }), "launches of worlds need poses in device memory");
     EXPECT_EQ(message_of([&] { cpu.launch(device.view()); }),
               "poses in device memory need the cuda backend (Options::backend)");
     for (const auto& call : std::vector<std::function<void()>>{
@@ -328,12 +329,12 @@ TEST(CudaDeviceWorlds, unsupported_calls_are_rejected) {
     World wrong = device.view();
     wrong.end_poses = world->poses;
     EXPECT_EQ(message_of([&] { cuda.find(wrong, ImpactQuery()); }),
-              "poses lie in device memory or in host memory, not in both");
+              "poses must be in device memory or in host memory, not in both");
     wrong = world->view();
     wrong.device_end_poses = device.view().device_poses;
     wrong.poses = {};
     EXPECT_EQ(message_of([&] { cuda.find(wrong, ImpactQuery()); }),
-              "poses at the end lie in device memory, and those at the start do not");
+              "poses at the start must be in device memory, like those at the end");
     wrong = device.view();
     wrong.device_end_poses = {static_cast<const double*>(wrong.device_poses.data), 7};
     EXPECT_EQ(message_of([&] { cuda.find(wrong, ImpactQuery()); }), "there are 7 poses for 6 bodies");
@@ -342,10 +343,10 @@ TEST(CudaDeviceWorlds, unsupported_calls_are_rejected) {
     EXPECT_EQ(message_of([&] { cuda.find(wrong); }), "there are 5 poses for 6 bodies");
     wrong = device.view();
     wrong.poses = world->poses;
-    EXPECT_EQ(message_of([&] { cuda.launch(wrong); }), "poses lie in device memory or in host memory, not in both");
+    EXPECT_EQ(message_of([&] { cuda.launch(wrong); }), "poses must be in device memory or in host memory, not in both");
     wrong = device.view();
     wrong.device_poses.data = static_cast<const std::byte*>(wrong.device_poses.data) + 4;
-    EXPECT_EQ(message_of([&] { cuda.find(wrong); }), "poses are not aligned to their numbers");
+    EXPECT_EQ(message_of([&] { cuda.find(wrong); }), "poses must be aligned to their number type");
     int pages = 0;
     check(cudaDeviceGetAttribute(&pages, cudaDevAttrPageableMemoryAccess, 0));
     if (!pages) {

@@ -24,10 +24,10 @@ namespace {
 
 using cuda_on_cpu::settings;
 
-class KnownAnswersOfAMachine : public testing::Test {
+class KnownAnswersOnEmulatedDevice : public testing::Test {
    protected:
-    KnownAnswersOfAMachine() { cuda::reset_comparison_cases(); }
-    ~KnownAnswersOfAMachine() override {
+    KnownAnswersOnEmulatedDevice() { cuda::reset_comparison_cases(); }
+    ~KnownAnswersOnEmulatedDevice() override {
         settings().run_instead = nullptr;
         cuda::reset_comparison_cases();
     }
@@ -41,14 +41,14 @@ class KnownAnswersOfAMachine : public testing::Test {
     cuda::Stream stream_ = cuda::make_stream(device_);
 };
 
-TEST_F(KnownAnswersOfAMachine, comparison_takes_eight_launches_and_a_copy_each_way) {
+TEST_F(KnownAnswersOnEmulatedDevice, comparison_takes_eight_launches_and_a_copy_each_way) {
     const cuda_on_cpu::WorkCount before = cuda_on_cpu::work_count();
     EXPECT_EQ(difference(), "");
     EXPECT_LE(cuda_on_cpu::work_count().launches - before.launches, 8u);
     EXPECT_EQ(cuda_on_cpu::work_count().copies - before.copies, 2u);
 }
 
-TEST_F(KnownAnswersOfAMachine, rounding_mode_of_the_caller_does_not_matter) {
+TEST_F(KnownAnswersOnEmulatedDevice, rounding_mode_of_the_caller_does_not_matter) {
     std::fesetround(FE_UPWARD);
     const std::string found = difference();
     EXPECT_EQ(std::fegetround(), FE_UPWARD);
@@ -56,7 +56,7 @@ TEST_F(KnownAnswersOfAMachine, rounding_mode_of_the_caller_does_not_matter) {
     EXPECT_EQ(found, "");
 }
 
-TEST_F(KnownAnswersOfAMachine, known_answers_are_compared_once_per_process) {
+TEST_F(KnownAnswersOnEmulatedDevice, known_answers_are_compared_once_per_process) {
     const auto launches = [] {
         const std::size_t before = cuda_on_cpu::work_count().launches;
         Detector({.backend = Backend::cuda});
@@ -67,7 +67,7 @@ TEST_F(KnownAnswersOfAMachine, known_answers_are_compared_once_per_process) {
     EXPECT_EQ(launches(), second);
 }
 
-TEST_F(KnownAnswersOfAMachine, kernel_that_does_nothing_is_detected) {
+TEST_F(KnownAnswersOnEmulatedDevice, kernel_that_does_nothing_is_detected) {
     for (const auto& [launch, expected] : {std::pair{0, "the intersection"},
                                            {1, "the intersection"},
                                            {2, "the contact"},
@@ -82,7 +82,7 @@ TEST_F(KnownAnswersOfAMachine, kernel_that_does_nothing_is_detected) {
     }
 }
 
-TEST_F(KnownAnswersOfAMachine, wrong_results_make_the_backend_unavailable) {
+TEST_F(KnownAnswersOnEmulatedDevice, wrong_results_make_the_backend_unavailable) {
     const auto break_exact_decision = [] {
         settings().run_instead = [begin = cuda_on_cpu::work_count().launches](const cuda_on_cpu::Kernel&) {
             return cuda_on_cpu::work_count().launches - begin > 8;  // earlier launches reserve stacks
@@ -102,7 +102,7 @@ TEST_F(KnownAnswersOfAMachine, wrong_results_make_the_backend_unavailable) {
 }
 
 // Counts which code paths the comparison's cases take when the host computes them.
-TEST_F(KnownAnswersOfAMachine, cases_cover_every_path_of_the_arithmetic) {
+TEST_F(KnownAnswersOnEmulatedDevice, cases_cover_every_path_of_the_arithmetic) {
     const cuda::ComparisonCases cases = cuda::make_comparison_cases(96);
     int collide = 0, apart = 0, undecided_pairs = 0, expanded = 0, shared = 0;
     int rounded = 0, open_contacts = 0;

@@ -128,7 +128,7 @@ TEST(CudaLaunch, sudden_scene_changes_do_not_affect_results) {
 
 // Triangles that intersect many others. The numbers of pairs with one first triangle (a row) are around 64 and 2,048,
 // the largest rows that are sorted at once and in one part; longer rows are sorted in several parts.
-TEST(CudaLaunch, long_rows_are_sorted) {
+TEST(CudaLaunch, thousands_of_pairs_of_one_triangle_are_sorted) {
     Soup<float> soup;
     const auto add = [&](std::array<float, 3> a, std::array<float, 3> b, std::array<float, 3> c) {
         const auto v = static_cast<std::int32_t>(soup.vertices.size());
@@ -154,7 +154,7 @@ TEST(CudaLaunch, long_rows_are_sorted) {
 }
 
 // A search in chunks under a memory limit, with a cluster that has more units of work than a chunk can hold.
-TEST(CudaLaunch, all_units_are_swept_in_chunks) {
+TEST(CudaLaunch, search_in_chunks_under_a_limit_finds_all_pairs) {
     Soup<float> soup = random_soup(6000, 0.01);
     for (std::size_t v = 0; v < soup.vertices.size(); ++v)
         soup.vertices[v][0] = 3 * soup.vertices[v][0] + (v % 3 ? 0 : 1);
@@ -348,7 +348,7 @@ TEST(CudaLaunch, hard_frames_in_flight_match_the_cpu) {
     EXPECT_GT(again, 0);
 }
 
-TEST(CudaLaunch, lists_grow_with_two_frames_in_flight) {
+TEST(CudaLaunch, growing_results_of_frames_in_flight_match_the_cpu) {
     constexpr int n = 1500;
     const Soup<float> soups[] = {random_soup(n, 1e-3), random_soup(n, 0.6, 2), random_soup(n, 0.9, 3)};
     const int frames[] = {0, 0, 0, 1, 2, 0, 2, 2, 1, 0, 0};
@@ -372,7 +372,7 @@ TEST(CudaLaunch, lists_grow_with_two_frames_in_flight) {
 
 // All passes of a detector use the same lists. So a pass begins only after all earlier passes have ended, on any
 // stream; the same is true of operations that move the lists, and of repeated passes.
-TEST(CudaLaunch, passes_of_different_streams_do_not_overlap) {
+TEST(CudaLaunch, launches_on_different_streams_do_not_overlap) {
     constexpr int n = 1500;
     const Soup<float> sparse = random_soup(n, 1e-3), dense = random_soup(n, 0.6, 2), more = random_soup(2 * n, 1e-3);
     DeviceMesh first(sparse.view());
@@ -406,14 +406,14 @@ TEST(CudaLaunch, third_launch_in_flight_is_rejected) {
     for (int turn = 0; turn < 3; ++turn) {
         const auto older = cuda.launch(first.view()), newer = cuda.launch(second.view());
         EXPECT_STREQ(error_of([&] { cuda.launch(first.view()); }).what(),
-                     "two launches are in flight: the next one comes after a wait()");
+                     "two launches are in flight; call wait() before the next launch");
         EXPECT_THROW(cuda.launch(meshes[0].view()), Error);
         EXPECT_TRUE(shows(older.wait(), first.view(), nullptr, cpu.find(meshes[0].view())));
         EXPECT_TRUE(shows(newer.wait(), second.view(), nullptr, cpu.find(meshes[1].view())));
     }
 }
 
-constexpr const char* nothing_to_wait_for = "there is nothing to wait for: another call has come after this launch";
+constexpr const char* nothing_to_wait_for = "wait() is too late: another call of the detector came after this launch";
 
 TEST(CudaLaunch, wait_is_allowed_once_and_in_order) {
     const io::TriangleMesh meshes[2] = {cloth(300, 93), cloth(500, 93)};
@@ -426,13 +426,13 @@ TEST(CudaLaunch, wait_is_allowed_once_and_in_order) {
     };
     for (int turn = 0; turn < 2; ++turn) {
         const auto older = cuda.launch(first.view()), newer = cuda.launch(second.view()), copy = newer;
-        EXPECT_EQ(message_of(newer), "an older launch is in flight: launches are waited for in their order");
+        EXPECT_EQ(message_of(newer), "an older launch is in flight; call wait() in the order of the launches");
         EXPECT_TRUE(shows(older.wait(), first.view(), nullptr, cpu.find(meshes[0].view())));
         EXPECT_TRUE(same_result(older.download(), cpu.find(meshes[0].view())));
         EXPECT_THROW(newer.download(), Error) << "nobody has waited for it";
         EXPECT_EQ(message_of(older), nothing_to_wait_for);
         EXPECT_TRUE(shows(copy.wait(), second.view(), nullptr, cpu.find(meshes[1].view())));
-        EXPECT_EQ(message_of(newer), "wait() needs a launch before it: this one has been waited for");
+        EXPECT_EQ(message_of(newer), "wait() has already been called for this launch");
         EXPECT_THROW(older.download(), Error) << "another call has come";
     }
     for (const bool refused : {false, true}) {
@@ -456,7 +456,7 @@ TEST(CudaLaunch, wait_may_follow_a_cancelled_wait) {
     EXPECT_TRUE(shows(launched.wait(), mesh.view(), nullptr, cpu.find(mesh.view())));
 }
 
-TEST(CudaLaunch, wait_works_after_the_detector_was_moved) {
+TEST(CudaLaunch, wait_gives_the_result_after_the_detector_was_moved) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -571,7 +571,7 @@ TEST(CudaLaunch, capture_of_another_thread_is_not_disturbed) {
     check(cudaStreamDestroy(stream));
 }
 
-TEST(CudaLaunch, default_streams_work_while_another_thread_captures) {
+TEST(CudaLaunch, default_streams_can_be_used_while_another_thread_captures) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view());
     const DeviceMesh device(mesh.view());

@@ -56,7 +56,7 @@ TEST_F(CudaMachine, device_number_that_does_not_exist_is_reported) {
         Detector({.backend = Backend::cuda, .device = 3});
         FAIL();
     } catch (const Error& error) {
-        EXPECT_STREQ(error.what(), "the cuda backend is not available: device 3 of 1 does not exist");
+        EXPECT_STREQ(error.what(), "the cuda backend is not available: device 3 does not exist (number of devices: 1)");
     }
 }
 
@@ -87,7 +87,8 @@ TEST_F(CudaMachine, automatic_backend_uses_a_device_if_there_is_one) {
     };
     EXPECT_EQ(chosen({}), "cuda");
     EXPECT_EQ(chosen({.backend = Backend::cpu}), "cpu");
-    EXPECT_EQ(chosen({.device = 1}), "cpu: the cuda backend is not available: device 1 of 1 does not exist");
+    EXPECT_EQ(chosen({.device = 1}),
+              "cpu: the cuda backend is not available: device 1 does not exist (number of devices: 1)");
     settings().devices = 0;
     EXPECT_EQ(chosen({}).substr(0, 40), "cpu: the cuda backend is not available: ");
 }

@@ -14,7 +14,7 @@ namespace {
 
 /// Two worlds have the same bodies. The first hit decides the first world. In the second world the pair filter excludes
 /// all pairs.
-TEST(CudaWorlds, decided_worlds_are_swept_no_further) {
+TEST(CudaWorlds, decided_worlds_are_not_searched_further) {
     const auto a = random_soup<float>(1500, 0.1, 3), b = random_soup<float>(1500, 0.1, 4);
     auto c = a, d = b;
     c.groups.assign(1500, 1);
@@ -39,7 +39,7 @@ TEST(CudaWorlds, decided_worlds_are_swept_no_further) {
 
 /// In every other world a corner lies in the plane of the other triangle. The device cannot decide that, as products of
 /// subnormal numbers underflow.
-TEST(CudaWorlds, worlds_that_only_the_host_can_decide_have_flags) {
+TEST(CudaWorlds, worlds_that_only_the_host_can_decide_have_correct_flags) {
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
     const auto two = [](double height) {
         std::vector<std::array<double, 3>> corners{{-4, -4, 0},    {4, -4, 0}, {0, 4, 0},
@@ -83,7 +83,7 @@ TEST(CudaWorlds, hard_soups_match_the_cpu) {
 
 /// Small worlds are searched side by side. A world that is large enough to fill a device is searched alone, after the
 /// worlds before it and before those after it.
-TEST(CudaWorlds, large_world_is_searched_in_a_pass_of_its_own) {
+TEST(CudaWorlds, large_world_is_searched_separately) {
     const auto large = random_soup<float>(70'000, 0.004, 5);
     const auto first = random_soup<float>(60, 0.3, 1), second = random_soup<float>(45, 0.3, 2);
     const std::vector<Shape> shapes{Shape(first.view()), Shape(second.view()), Shape(large.view())};

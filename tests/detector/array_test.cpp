@@ -12,7 +12,7 @@ namespace {
 
 using Ints = Array<int>;
 
-TEST(Array, swapped_elements_count_for_their_new_owner) {
+TEST(Array, swapped_arrays_are_metered_by_their_new_owner) {
     MemoryMeter meter;
     Ints mine(&meter), others;
     mine.assign(100, 7);

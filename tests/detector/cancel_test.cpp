@@ -77,7 +77,7 @@ bool cancelled(Call call) {
     return false;
 }
 
-TEST(Cancel, stop_ends_the_running_call_and_detector_stays_usable) {
+TEST(Cancellation, stop_ends_the_running_call_and_detector_stays_usable) {
     for (const Case& c : cases()) {
         SCOPED_TRACE(c.name);
         const auto soup = test::random_soup(c.triangles, c.size);
@@ -92,7 +92,7 @@ TEST(Cancel, stop_ends_the_running_call_and_detector_stays_usable) {
     }
 }
 
-TEST(Cancel, earlier_stop_request_ends_every_call) {
+TEST(Cancellation, earlier_stop_request_ends_every_call) {
     const auto soup = test::random_soup(500, 0.2);
     const MeshView mesh = soup.view();
     std::stop_source source;
@@ -128,7 +128,7 @@ TEST(Cancel, earlier_stop_request_ends_every_call) {
     }
 }
 
-TEST(Cancel, exception_of_poll_ends_the_call) {
+TEST(Cancellation, exception_of_poll_ends_the_call) {
     struct Interrupt {};
     for (const Case& c : cases()) {
         SCOPED_TRACE(c.name);

@@ -112,7 +112,7 @@ TEST(Detector, frames_of_changing_topology_need_no_new_detector) {
     }
 }
 
-TEST(Detector, detectors_work_concurrently) {
+TEST(Detector, detectors_on_several_threads_give_the_same_pairs) {
     const auto soup = test::random_soup(3000, 0.06);
     Detector detector;
     const auto expected = pairs_of(detector.find(soup.view()));

@@ -115,14 +115,14 @@ TEST(FeaturePairs, errors_name_the_point_and_pair) {
     error = test::error_of([&] { pair_distances(FeatureKind::vertex_edge, view(bad)); });
     EXPECT_STREQ(error.what(), "points: point 0 of pair 3 is not finite");
     error = test::error_of([&] { pair_distances(FeatureKind::vertex_face, view(lattice(11, 6, 3))); });
-    EXPECT_STREQ(error.what(), "points must have 4 points a pair, and 11 are no multiple of that");
+    EXPECT_STREQ(error.what(), "points must have 4 rows per pair, and 11 is not a multiple of 4");
     error = test::error_of([&] { pair_impacts(FeatureKind::vertex_edge, view(good), view(lattice(9, 6, 3))); });
     EXPECT_STREQ(error.what(), "end must have as many pairs as start, 4, not 3");
     error = test::error_of(
         [&] { pair_impacts(FeatureKind::edge_edge, view(good), view(good), {.min_distance_share = 1}); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
     error = test::error_of([&] { pair_distances(static_cast<FeatureKind>(4), view(good)); });
-    EXPECT_STREQ(error.what(), "kind names a kind of features that there is not");
+    EXPECT_STREQ(error.what(), "kind must be a value of FeatureKind");
     error = test::error_of([&] { pair_distances(FeatureKind::edge_edge, view(good), -1); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
 }

@@ -217,7 +217,7 @@ INSTANTIATE_TEST_SUITE_P(, FreeSteps, testing::Values(Backend::reference, Backen
 
 /// The steps of hard soups are free after the positions have been rounded, unless they stay at a start where something
 /// touches.
-TEST(FreeStepsOfSoups, free_steps_of_hard_soups_are_free) {
+TEST(FreeStepsOfSoups, free_steps_of_hard_soups_have_no_impact) {
     Detector cpu({.backend = Backend::cpu, .threads = 1}), reference({.backend = Backend::reference});
     int cuts = 0, some = 0;
     for (const NamedMove<double>& move : moving_soups<double>()) {

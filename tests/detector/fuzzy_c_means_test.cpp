@@ -74,7 +74,7 @@ TEST(FuzzyCMeans, iterations_end_early_when_no_centre_moves) {
     EXPECT_EQ(fuzzy_c_means(points.size(), point, {.iterations = 100, .stop = 1e-3}, centres), 1);
 }
 
-TEST(FuzzyCMeans, points_on_centres_are_handled) {
+TEST(FuzzyCMeans, centres_of_coincident_points_stay_at_the_point) {
     const std::vector<Vec3f> points(20, Vec3f{0.5f, 0.25f, 0});
     const auto point = [&](std::size_t i) { return points[i]; };
     Centres centres;

@@ -32,7 +32,7 @@ struct TwoBodies {
     World world() const { return {shapes, bodies, {}}; }
 };
 
-class Grammar : public testing::TestWithParam<Backend> {
+class ScenesAndQueries : public testing::TestWithParam<Backend> {
    public:
     const test::Soup<double> a_ = random_soup<double>(60, 0.4), b_ = random_soup<double>(70, 0.4, 5);
     const std::vector<std::array<double, 3>> end_ = [this] {
@@ -44,10 +44,10 @@ class Grammar : public testing::TestWithParam<Backend> {
     Detector detector_{{.backend = GetParam()}}, other_{{.backend = GetParam()}};
 };
 
-INSTANTIATE_TEST_SUITE_P(, Grammar, testing::Values(Backend::cpu, Backend::reference),
+INSTANTIATE_TEST_SUITE_P(, ScenesAndQueries, testing::Values(Backend::cpu, Backend::reference),
                          [](const auto& b) { return b.param == Backend::cpu ? "cpu" : "reference"; });
 
-TEST_P(Grammar, smaller_outputs_agree_with_the_pairs) {
+TEST_P(ScenesAndQueries, smaller_outputs_agree_with_the_pairs) {
     const MeshView a = a_.view(), b = b_.view();
     for (const Scene& scene : {Scene(a), Scene(a, b)}) {
         const Intersections all = other_.find(scene);
@@ -69,7 +69,7 @@ TEST_P(Grammar, smaller_outputs_agree_with_the_pairs) {
     }
 }
 
-TEST_P(Grammar, two_meshes_give_the_results_of_two_bodies) {
+TEST_P(ScenesAndQueries, two_meshes_give_the_results_of_two_bodies) {
     const MeshView a = a_.view(), b = b_.view();
     const TwoBodies bodies(a, b);
     const ProximityQuery near{.radius = 0.02};
@@ -96,7 +96,7 @@ TEST_P(Grammar, two_meshes_give_the_results_of_two_bodies) {
     EXPECT_EQ(rows, of_meshes.count);
 }
 
-TEST_P(Grammar, free_step_ends_before_the_first_impact) {
+TEST_P(ScenesAndQueries, free_step_ends_before_the_first_impact) {
     const MeshView moving = a_.view().moving_to(end_view_);
     const Impacts all = other_.find(moving, ImpactQuery{.output = Output::first});
     ASSERT_TRUE(all.first.found);
@@ -109,20 +109,19 @@ TEST_P(Grammar, free_step_ends_before_the_first_impact) {
     EXPECT_EQ(detector_.find(a_.view().moving_to(a_.view().vertices), FirstImpactQuery{{.min_distance = 1}}).toi, 0);
 }
 
-TEST_P(Grammar, unsupported_queries_are_rejected) {
+TEST_P(ScenesAndQueries, unsupported_queries_are_rejected) {
     const MeshView a = a_.view();
     const TwoBodies bodies(a, a);
     const Part part = detector_.partition(a, {}, 2)[0];
     const auto of = [&](const Scene& scene, const auto& query) {
         return refusal(error_of([&] { detector_.find(scene, query); }));
     };
-    EXPECT_EQ(of(a, DistanceQuery()), "distances are those of bodies: a world, or two meshes");
-    EXPECT_EQ(of(part, DistanceQuery()), "parts know intersections, impacts and proximities");
-    EXPECT_EQ(of(part, CandidateQuery()), "parts know intersections, impacts and proximities");
-    EXPECT_EQ(of(part, FreeStepQuery()), "parts know intersections, impacts and proximities");
-    EXPECT_EQ(of(a, ImpactQuery()), "the vertices at the end are missing");
-    EXPECT_EQ(of(part, IntersectionQuery{.output = Output::count}),
-              "output must be pairs or contacts: these are what parts have");
+    EXPECT_EQ(of(a, DistanceQuery()), "distances need bodies: a world or two meshes");
+    EXPECT_EQ(of(part, DistanceQuery()), "parts support only intersections, impacts and proximities");
+    EXPECT_EQ(of(part, CandidateQuery()), "parts support only intersections, impacts and proximities");
+    EXPECT_EQ(of(part, FreeStepQuery()), "parts support only intersections, impacts and proximities");
+    EXPECT_EQ(of(a, ImpactQuery()), "the vertices at the end are missing; a query about motion needs them");
+    EXPECT_EQ(of(part, IntersectionQuery{.output = Output::count}), "output must be pairs or contacts for a part");
     for (const Scene& scene : {Scene(a), Scene(a, a), Scene(bodies.world())})
         EXPECT_EQ(of(scene, IntersectionQuery{.output = Output::first}),
                   "output must be any, any_by_world, body_pairs, count, pairs or contacts");
@@ -135,13 +134,13 @@ TEST_P(Grammar, unsupported_queries_are_rejected) {
               "a filter of bodies needs a world of bodies");
     const auto ignore = [](const auto&) { FAIL(); };
     EXPECT_EQ(refusal(error_of([&] { detector_.stream(part, IntersectionQuery(), ignore); })),
-              "blocks are not made of parts");
+              "parts are not supported in blocks; use find()");
     EXPECT_EQ(refusal(error_of([&] { detector_.partition(bodies.world(), {}, 2); })),
-              "parts are made of one mesh or two");
+              "only one mesh or two meshes can be cut into parts");
     EXPECT_EQ(refusal(error_of([&] {
                   detector_.partition({a, a}, ProximityQuery(), 2);
               })),
-              "parts for a query about features are made of one mesh");
+              "only one mesh can be cut into parts for a query about features");
     EXPECT_EQ(detector_.find(a).count, other_.find(a).count) << "and goes on";
 }
 
@@ -166,12 +165,12 @@ Scene part_for(const Scenes& scenes) {
 }
 
 template <class Query>
-class Supports : public testing::Test {};
+class SupportedQueries : public testing::Test {};
 using Queries = testing::Types<IntersectionQuery, ImpactQuery, FirstImpactQuery, FreeStepQuery, ProximityQuery,
                                CandidateQuery, DistanceQuery>;
-TYPED_TEST_SUITE(Supports, Queries, );
+TYPED_TEST_SUITE(SupportedQueries, Queries, );
 
-TYPED_TEST(Supports, supports_agrees_with_find) {
+TYPED_TEST(SupportedQueries, supports_agrees_with_find) {
     const Scenes scenes;
     Detector detectors[] = {Detector({.backend = Backend::cpu}), Detector({.backend = Backend::reference})};
     for (Detector& detector : detectors)

@@ -285,7 +285,7 @@ TEST(Input, matrices_of_either_storage_order_are_read) {
     const Matrix<int, false> t{2, 3};
     const Error error = error_of([&] { MeshView(v, t); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
-    EXPECT_STREQ(error.what(), "vertices must have 3 columns, one row each, not 6");
+    EXPECT_STREQ(error.what(), "vertices must have one row each and 3 columns, not 6 columns");
 }
 
 TEST(Input, excluded_groups_need_groups) {

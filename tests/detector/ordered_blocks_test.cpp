@@ -47,7 +47,7 @@ void fill(OrderedBlocks<Numbers>& blocks, int threads, int units, int pieces) {
     for (std::thread& worker : workers) worker.join();
 }
 
-TEST(OrderedBlocks, blocks_hold_everything_in_the_order_of_units) {
+TEST(OrderedBlocks, blocks_hold_all_rows_in_order) {
     for (const int threads : {1, 2, 8})
         for (const int most : {7, 100, 1'000'000}) {
             Numbers all;
@@ -69,7 +69,7 @@ TEST(OrderedBlocks, blocks_hold_everything_in_the_order_of_units) {
         }
 }
 
-TEST(OrderedBlocks, nothing_is_delivered_after_take_has_thrown) {
+TEST(OrderedBlocks, no_block_is_delivered_after_the_consumer_has_thrown) {
     std::atomic<int> taken{0};
     Cancellation cancellation;
     cancellation.begin({});

@@ -198,7 +198,7 @@ TEST(Part, parts_do_not_depend_on_threads_or_backend) {
 }
 
 // A process with a slice of the triangles finds the same members as one with all triangles.
-TEST(Part, members_can_be_found_from_any_slice) {
+TEST(Part, any_slice_of_triangles_gives_the_same_members) {
     const auto soup = test::random_soup<double>(500, 0.1);
     ParallelFor serial;
     SceneBuffers buffers;
@@ -252,7 +252,7 @@ TEST(Part, levels_are_as_few_as_possible) {
     }
 }
 
-TEST(Part, shares_are_proportional_and_fit) {
+TEST(Part, numbers_of_parts_are_proportional_to_numbers_of_points) {
     const std::vector<std::int64_t> points{1000, 0, 3000, 10};
     const std::vector<int> shares = distribute_parts(84, 64, points);
     EXPECT_EQ(std::accumulate(shares.begin(), shares.end(), 0), 84);

@@ -51,33 +51,33 @@ class NearestAgreement : public testing::TestWithParam<int> {
     std::size_t rows_ = 0, touching_ = 0;
 };
 
-TEST_P(NearestAgreement, holds_for_bodies_apart) {
+TEST_P(NearestAgreement, bodies_apart_match_brute_force) {
     for (unsigned seed = 0; seed < 25; ++seed) compare(seed, {.triangles = 12, .reach = 4});
     EXPECT_GT(rows_ - touching_, 50u);
 }
-TEST_P(NearestAgreement, holds_for_bodies_at_one_place) {
+TEST_P(NearestAgreement, bodies_at_one_place_match_brute_force) {
     for (unsigned seed = 100; seed < 125; ++seed) compare(seed, {.bodies = 7, .triangles = 14, .reach = 0.1});
     EXPECT_GT(touching_, 30u);
 }
-TEST_P(NearestAgreement, holds_for_several_worlds) {
+TEST_P(NearestAgreement, several_worlds_match_brute_force) {
     for (unsigned seed = 200; seed < 215; ++seed)
         compare(seed, {.bodies = 9, .worlds = 4, .triangles = 6, .everywhere = 0.3, .reach = 2});
 }
-TEST_P(NearestAgreement, holds_for_larger_bodies) {
+TEST_P(NearestAgreement, larger_bodies_match_brute_force) {
     for (unsigned seed = 300; seed < 304; ++seed)
         compare(seed, {.shapes = 2, .bodies = 3, .triangles = 60, .named = 1, .reach = 3});
 }
 /// Many triangles intersect. The result is the first intersecting pair in the order of triangles, which is seldom the
 /// pair that the search finds first.
-TEST_P(NearestAgreement, holds_for_larger_bodies_at_one_place) {
+TEST_P(NearestAgreement, larger_bodies_at_one_place_match_brute_force) {
     for (unsigned seed = 350; seed < (sanitized ? 352u : 358u); ++seed)
         compare(seed, {.shapes = 2, .bodies = 4, .triangles = 60, .named = 1, .everywhere = 0, .reach = 0.1});
     EXPECT_GE(touching_, sanitized ? 1u : 5u);
 }
-TEST_P(NearestAgreement, holds_for_single_triangles) {
+TEST_P(NearestAgreement, single_triangles_match_brute_force) {
     for (unsigned seed = 400; seed < 440; ++seed) compare(seed, {.shapes = 5, .triangles = 1, .reach = 1.5});
 }
-TEST_P(NearestAgreement, holds_without_bodies) { compare(500, {.bodies = 0}); }
+TEST_P(NearestAgreement, worlds_without_bodies_match_brute_force) { compare(500, {.bodies = 0}); }
 
 /// Returns the surface of the unit cube; each face consists of cuts × cuts squares, each square of two triangles.
 test::Soup<double> box(int cuts) {
@@ -101,7 +101,7 @@ test::Soup<double> box(int cuts) {
 }
 
 /// Ties of all kinds, from parallel faces, parallel edges and corners, axis-aligned and turned.
-TEST_P(NearestAgreement, holds_for_symmetric_shapes) {
+TEST_P(NearestAgreement, symmetric_shapes_match_brute_force) {
     const auto coarse = box(1), fine = box(2);
     const std::vector<Shape> shapes{Shape(coarse.view(), 1), Shape(fine.view())};
     const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
@@ -122,7 +122,7 @@ TEST_P(NearestAgreement, holds_for_symmetric_shapes) {
 }
 
 /// Uses sizes across the range of float64, among them sizes whose squares underflow or overflow.
-TEST_P(NearestAgreement, holds_for_largest_and_smallest_numbers) {
+TEST_P(NearestAgreement, largest_and_smallest_numbers_match_brute_force) {
     for (const double size : {0x1p-1060, 0x1p-600, 0x1p-300, 0x1p250, 0x1p500, 0x1p1020}) {
         const std::vector<std::array<double, 3>> vertices{{-size, -size, 0}, {size, -size, 0}, {0, size, 0},
                                                           {-size, 0, -size}, {size, 0, size},  {0, 0, size}};

@@ -23,7 +23,7 @@ Pose moved(double x, double y = 0, double z = 0) { return {{1, 0, 0, x, 0, 1, 0,
 const std::vector<std::array<float, 3>> square{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
 const std::vector<std::array<std::int32_t, 3>> halves{{0, 1, 2}, {0, 2, 3}};
 
-class NearestBodiesOfEachBackend : public testing::TestWithParam<Backend> {
+class DistancesOfEachBackend : public testing::TestWithParam<Backend> {
    protected:
     const Distances& find(const std::vector<Body>& bodies, const std::vector<Pose>& poses,
                           const DistanceQuery& query = {}) {
@@ -41,7 +41,7 @@ Rows rows(const Distances& distances) {
     return rows;
 }
 
-TEST_P(NearestBodiesOfEachBackend, report_distance_triangles_and_points) {
+TEST_P(DistancesOfEachBackend, distance_triangles_and_points_are_reported) {
     const Distances& found = find({{}, {}}, {{}, moved(0.25, 0.5, 3)});
     ASSERT_EQ(rows(found), (Rows{{0, 1}}));
     EXPECT_EQ(found.squared_distance[0], 9);
@@ -52,7 +52,7 @@ TEST_P(NearestBodiesOfEachBackend, report_distance_triangles_and_points) {
     EXPECT_EQ(found.points[0][0][0], found.points[0][1][0]);
     EXPECT_EQ(found.statistics.pairs, 1);
 }
-TEST_P(NearestBodiesOfEachBackend, have_distance_zero_if_they_touch) {
+TEST_P(DistancesOfEachBackend, touching_bodies_have_distance_zero) {
     const Distances& found = find({{}, {}, {}}, {{}, moved(1, 0.5), moved(0.5, 0.5, 0)});
     ASSERT_EQ(found.bodies.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -64,12 +64,12 @@ TEST_P(NearestBodiesOfEachBackend, have_distance_zero_if_they_touch) {
     EXPECT_EQ(found.triangles[1], (Pair{0, 0}));
     EXPECT_EQ(found.points[0][0], (std::array<double, 3>{1, 0.5, 0}));
 }
-TEST_P(NearestBodiesOfEachBackend, rows_follow_the_order_of_bodies_in_all_worlds) {
+TEST_P(DistancesOfEachBackend, rows_follow_the_order_of_bodies_in_all_worlds) {
     const std::vector<Body> bodies{{.world = 0}, {.world = 0}, {.world = 2}, {.world = -1}, {.world = -1}};
     const std::vector<Pose> poses{{}, moved(3), moved(0, 5), moved(0, 0, 4), moved(0, 0, -1)};
     EXPECT_EQ(rows(find(bodies, poses)), (Rows{{0, 1}, {0, 3}, {0, 4}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}));
 }
-TEST_P(NearestBodiesOfEachBackend, nearest_output_lists_one_pair_per_world) {
+TEST_P(DistancesOfEachBackend, nearest_output_lists_one_pair_per_world) {
     const std::vector<Body> bodies{{.world = 0}, {.world = 0},  {.world = 0}, {.world = 2},
                                    {.world = 3}, {.world = -1}, {.world = -1}};
     const std::vector<Pose> poses{{}, moved(3), moved(-3), moved(0, 5), moved(40), moved(0, 0, 4), moved(0, 0, -1)};
@@ -87,12 +87,12 @@ TEST_P(NearestBodiesOfEachBackend, nearest_output_lists_one_pair_per_world) {
     query.filter.excluded_bodies = {{0, 6}, {1, 6}, {2, 6}};
     EXPECT_EQ(rows(find(bodies, poses, query))[0], (std::array<std::int32_t, 2>{0, 1})) << "the first of two at 2";
 }
-TEST_P(NearestBodiesOfEachBackend, nearest_output_takes_the_first_touching_pair) {
+TEST_P(DistancesOfEachBackend, nearest_output_takes_the_first_touching_pair) {
     const std::vector<Body> bodies(4);
     const std::vector<Pose> poses{moved(9), {}, moved(0.5), moved(0.5, 0.5)};
     EXPECT_EQ(rows(find(bodies, poses, {.output = Output::nearest})), (Rows{{1, 2}}));
 }
-TEST_P(NearestBodiesOfEachBackend, radius_is_inclusive) {
+TEST_P(DistancesOfEachBackend, radius_is_inclusive) {
     const std::vector<Pose> poses{{}, moved(0, 0, 2), moved(0, 0, 5)};
     const std::vector<Body> bodies(3);
     EXPECT_EQ(rows(find(bodies, poses, {.radius = 2})), (Rows{{0, 1}}));
@@ -102,7 +102,7 @@ TEST_P(NearestBodiesOfEachBackend, radius_is_inclusive) {
     EXPECT_EQ(rows(find(bodies, {{}, moved(0, 1), moved(9)}, {.radius = 0})), (Rows{{0, 1}}));
     EXPECT_EQ(find(bodies, poses, {.radius = infinity}).bodies.size(), 3u);
 }
-TEST_P(NearestBodiesOfEachBackend, filter_excludes_bodies_and_groups) {
+TEST_P(DistancesOfEachBackend, filter_excludes_bodies_and_groups) {
     const std::vector<Body> bodies{{.group = 0}, {.group = 1}, {.group = 1}};
     const std::vector<Pose> poses{{}, moved(2), moved(4)};
     DistanceQuery query;
@@ -116,7 +116,7 @@ TEST_P(NearestBodiesOfEachBackend, filter_excludes_bodies_and_groups) {
     EXPECT_EQ(rows(find(bodies, poses, query)), (Rows{{0, 1}, {0, 2}}));
 }
 /// The nearer half of the square belongs to an excluded group, so the other half counts.
-TEST_P(NearestBodiesOfEachBackend, triangles_of_excluded_groups_do_not_count) {
+TEST_P(DistancesOfEachBackend, triangles_of_excluded_groups_do_not_count) {
     const std::vector<std::int32_t> groups{5, 6};
     shapes_.push_back(Shape(MeshView(square, halves, groups), 2));
     const std::vector<Body> bodies{{.shape = 0, .group = 0}, {.shape = 1}};
@@ -130,14 +130,14 @@ TEST_P(NearestBodiesOfEachBackend, triangles_of_excluded_groups_do_not_count) {
     query.filter.excluded_groups = {{0, 5}, {0, 6}};
     EXPECT_EQ(rows(find(bodies, poses, query)), Rows{}) << "no pair of triangles is wanted";
 }
-TEST_P(NearestBodiesOfEachBackend, empty_worlds_and_shapes_have_no_rows) {
+TEST_P(DistancesOfEachBackend, empty_worlds_and_shapes_have_no_rows) {
     EXPECT_EQ(rows(find({}, {})), Rows{});
     EXPECT_EQ(rows(find({{}}, {})), Rows{}) << "a body is not near itself";
     const std::vector<std::array<std::int32_t, 3>> none;
     shapes_.push_back(Shape(MeshView(square, none)));
     EXPECT_EQ(rows(find({{.shape = 0}, {.shape = 1}, {.shape = 0}}, {})), (Rows{{0, 2}}));
 }
-TEST_P(NearestBodiesOfEachBackend, wrong_queries_and_worlds_are_refused) {
+TEST_P(DistancesOfEachBackend, invalid_queries_and_worlds_are_rejected) {
     const auto refused = [&](auto call) {
         const Error error = error_of(call);
         EXPECT_EQ(rows(find({{}, {}}, {{}, moved(3)})), (Rows{{0, 1}})) << "usable still";
@@ -163,10 +163,10 @@ TEST_P(NearestBodiesOfEachBackend, wrong_queries_and_worlds_are_refused) {
     EXPECT_EQ(refused(stopped).code, ErrorCode::cancelled);
 }
 
-INSTANTIATE_TEST_SUITE_P(, NearestBodiesOfEachBackend, testing::Values(Backend::reference, Backend::cpu),
+INSTANTIATE_TEST_SUITE_P(, DistancesOfEachBackend, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& info) { return std::string(backend_name(info.param)); });
 
-TEST(NearestBodies, are_swapped_out_without_a_copy) {
+TEST(DistanceCalls, swap_result_moves_the_result_without_copying) {
     const std::vector<Shape> shapes{Shape(MeshView(square, halves), 1)};
     const std::vector<Body> bodies(2);
     const std::vector<Pose> poses{{}, moved(0, 0, 3)};
@@ -181,7 +181,7 @@ TEST(NearestBodies, are_swapped_out_without_a_copy) {
 }
 
 /// Trees of named shapes are shared with other queries about worlds.
-TEST(NearestBodies, use_cached_trees_of_named_shapes) {
+TEST(DistanceCalls, cached_trees_of_named_shapes_are_used) {
     const auto soup = random_soup(50, 0.2);
     std::vector<Shape> shapes{Shape(soup.view(), 7)};
     const std::vector<Body> bodies(2);
@@ -200,7 +200,7 @@ TEST(NearestBodies, use_cached_trees_of_named_shapes) {
 }
 
 /// Expects the first of many intersecting pairs, and the first point of its contact.
-TEST(NearestBodies, name_the_first_pair_that_intersects) {
+TEST(DistanceCalls, first_pair_that_intersects_is_reported) {
     Detector detector({.backend = Backend::cpu}), other({.backend = Backend::cpu});
     const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
     for (unsigned seed = 0; seed < 60; ++seed) {
@@ -217,7 +217,7 @@ TEST(NearestBodies, name_the_first_pair_that_intersects) {
     }
 }
 
-TEST(NearestBodies, stop_at_the_first_poll_after_cancellation) {
+TEST(DistanceCalls, call_stops_at_the_first_poll_after_cancellation) {
     const auto soup = random_soup(3000, 0.05);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
     const std::vector<Body> bodies(200);

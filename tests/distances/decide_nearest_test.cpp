@@ -42,7 +42,7 @@ TEST(FilteredNearest, gives_no_bounds_for_huge_numbers) {
 
 /// Closest parts are the vertices, edges or faces in which two triangles are closest. The triangles of this test share
 /// corners, so that one pair of parts belongs to several pairs of triangles.
-TEST(ClosestParts, claimed_triangles_have_the_distance_of_the_parts) {
+TEST(ClosestParts, triangles_sharing_closest_parts_have_their_distance) {
     int same = 0, others = 0;
     for_triangles(300, [&](RandomTriangles& random, double) {
         const TrianglePoints some = random(0), more = random(0), far = random(6), farther = random(6);
@@ -97,7 +97,7 @@ void compare_with_rational(Array<NearestCandidate>& candidates, double radius) {
     ASSERT_EQ(least.points[1], expected->least.points()[1]);
 }
 
-TEST(DecideNearest, agrees_with_rational_arithmetic) {
+TEST(DecidedNearest, agrees_with_rational_arithmetic) {
     for_triangles(300, [](RandomTriangles& random, double) {
         Array<NearestCandidate> candidates;
         // Few points, so that distances tie. The order of candidates is not that of their triangles.

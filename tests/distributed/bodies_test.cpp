@@ -296,13 +296,13 @@ TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
                       if (rank == 1) piece.ids[0] = 0, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 0),
-              "rank 0: body 0 is brought 2 times");
+              "rank 0: body 0 is provided 2 times");
     EXPECT_EQ(refused(
                   [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                       if (rank == 0) piece.ids[0] = 1, share = piece.share();
                   },
                   ErrorCode::invalid_argument, 0),
-              "rank 0: body 0 is missing: no rank brings it");
+              "rank 0: body 0 is missing: no rank provides it");
     EXPECT_EQ(refused(
                   [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                       if (rank == 2) piece.ids[1] = 6, share = piece.share();
@@ -312,7 +312,7 @@ TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
     EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh& share, IntersectionQuery&) {
                   if (rank == 2) share.body_ids = {};
               }),
-              "rank 2: another rank gives body ids, and this one has none");
+              "rank 2: body_ids are missing on this rank, but another rank has them");
     EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh& share, IntersectionQuery&) {
                   if (rank == 1) share.body_ids = share.body_ids.first(1);
               }),
@@ -326,15 +326,15 @@ TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
     EXPECT_EQ(refused([](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                   if (rank == 2) piece.bodies[1].world = 1, share = piece.share();
               }),
-              "rank 2: body 1: its world must be 0, for ranks share one world (body 5 over all ranks)");
+              "rank 2: body 1: its world must be 0, because all ranks share one world (body 5 over all ranks)");
     EXPECT_EQ(refused([](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
                   static const std::vector<Edge> edges{{0, 1}};
                   if (rank == 1) piece.shapes[0].edges = edges, share = piece.share();
               }),
-              "rank 1: body 0: ranks do not read a shape's list of edges or points (body 1 over all ranks)");
+              "rank 1: body 0: ranks do not support a shape's list of edges or points (body 1 over all ranks)");
     EXPECT_EQ(
         refused([](int, WorldPiece&, RankMesh&, IntersectionQuery& query) { query.filter.groups = PairScope::within; }),
-        "rank 0: rules about groups and rules about bodies (Body::self, too) exclude each other on ranks");
+        "rank 0: ranks support a filter of groups or a filter of bodies (including Body::self), not both");
     EXPECT_EQ(refused(
                   [](int, WorldPiece&, RankMesh&, IntersectionQuery& query) {
                       query.filter.excluded_bodies = {{0, 6}};
@@ -344,11 +344,11 @@ TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
     EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh&, IntersectionQuery& query) {
                   if (rank == 2) query.filter.excluded_bodies = {{0, 1}};
               }),
-              "rank 0: the ranks ask different questions, or have different options");
+              "rank 0: the query and the options must be the same on all ranks");
     EXPECT_EQ(refused([](int, WorldPiece&, RankMesh&, IntersectionQuery& query) { query.index = true; }),
-              "rank 0: index must be false: ranks have no offsets by body");
+              "rank 0: index must be false: ranks do not support offsets by body");
     EXPECT_EQ(refused([](int, WorldPiece&, RankMesh&, IntersectionQuery& query) { query.containment = true; }),
-              "rank 0: containment must be false: ranks find the surfaces that meet");
+              "rank 0: containment must be false: ranks do not support it");
 }
 
 // One rank passes triangles and the others pass bodies: all ranks must report an error, and none may wait forever.
@@ -369,7 +369,7 @@ TEST(RankBodies, calls_of_different_kinds_fail_on_all_ranks) {
         }
     });
     for (const std::string& one : messages)
-        EXPECT_EQ(one, "rank 0: the ranks ask different questions, or have different options");
+        EXPECT_EQ(one, "rank 0: the query and the options must be the same on all ranks");
 }
 
 }  // namespace

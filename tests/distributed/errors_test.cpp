@@ -150,7 +150,7 @@ TEST(RankErrors, missing_and_duplicate_ids_are_reported) {
     Seen seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 1) piece.triangle_ids[3] = 2;
     });
-    EXPECT_EQ(seen.message.substr(7), " triangle 2 is brought twice, by rank 0 and by rank 1");
+    EXPECT_EQ(seen.message.substr(7), " triangle 2 is provided twice, by rank 0 and by rank 1");
     EXPECT_EQ(seen.index, 2);
     seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 1) piece.triangle_ids[3] = 512;
@@ -167,7 +167,7 @@ TEST(RankErrors, missing_and_duplicate_ids_are_reported) {
     seen = seen_by_all([](int, MeshPiece& piece, IntersectionQuery&) {
         for (std::int64_t& id : piece.vertex_ids) id += id >= 100;
     });
-    EXPECT_EQ(seen.message.substr(7), " no rank brings vertex 100");
+    EXPECT_EQ(seen.message.substr(7), " no rank provides vertex 100");
     EXPECT_EQ(seen.element, Element::vertex);
 }
 
@@ -182,13 +182,13 @@ TEST(RankErrors, shared_vertices_that_differ_are_reported) {
         float& x = std::get<0>(piece.vertices)[3 * shared];
         if (rank == 1) x = std::nextafter(x, 2.0f);
     });
-    EXPECT_EQ(seen.message.substr(7),
-              " the copies of vertex " + std::to_string(second.vertex_ids[shared]) + " on rank 0 and on rank 1 differ");
+    EXPECT_EQ(seen.message.substr(7), " the coordinates of vertex " + std::to_string(second.vertex_ids[shared]) +
+                                          " differ between rank 0 and rank 1");
     EXPECT_EQ(seen.index, second.vertex_ids[shared]);
 }
 
 TEST(RankErrors, different_queries_on_ranks_are_reported) {
-    const std::string expected = "rank 0: the ranks ask different questions, or have different options";
+    const std::string expected = "rank 0: the query and the options must be the same on all ranks";
     EXPECT_EQ(seen_by_all([](int rank, MeshPiece&, IntersectionQuery& query) {
                   query.output = rank == 1 ? Output::contacts : Output::pairs;
               }).message,
@@ -231,7 +231,7 @@ TEST(RankErrors, ids_on_some_ranks_only_are_reported) {
         RankDetector detector(transport, small());
         seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { count_pairs(detector, share); });
     });
-    EXPECT_EQ(seen[0].message, "rank 1: another rank gives vertex ids, and this one has none");
+    EXPECT_EQ(seen[0].message, "rank 1: vertex_ids are missing on this rank, but another rank has them");
     EXPECT_EQ(seen[1], seen[0]);
 }
 

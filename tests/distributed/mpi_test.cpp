@@ -169,7 +169,7 @@ TEST_F(MpiRanks, moving_scene_matches_a_single_detector) {
     detector.close();
 }
 
-TEST_F(MpiRanks, error_is_the_same_on_all_ranks_and_calls_go_on) {
+TEST_F(MpiRanks, error_is_the_same_on_all_ranks_and_later_calls_succeed) {
     const WholeMesh mesh(wavy_sheet<float>(16));
     const MeshPiece good(mesh, Distribution::blocks, rank, ranks);
     mpi::Detector detector(MPI_COMM_WORLD, one_thread());

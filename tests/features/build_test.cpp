@@ -146,8 +146,8 @@ void expect_scalar_results() {
     EXPECT_GT(big_ones, 1000);
 }
 
-TEST(BuildOfFeatures, static_records_and_boxes_match_the_scalar_kernels) { expect_scalar_results<1>(); }
-TEST(BuildOfFeatures, moving_records_and_boxes_match_the_scalar_kernels) { expect_scalar_results<2>(); }
+TEST(FeatureRecords, static_records_and_boxes_match_the_scalar_kernels) { expect_scalar_results<1>(); }
+TEST(FeatureRecords, moving_records_and_boxes_match_the_scalar_kernels) { expect_scalar_results<2>(); }
 
 }  // namespace
 }  // namespace crumple

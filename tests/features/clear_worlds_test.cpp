@@ -40,7 +40,7 @@ void expect_same_hits(Detector& detector, Detector& brute, const World& world, Q
     ASSERT_EQ(detector.any(world, query), brute.any(world, query));
 }
 
-TEST(ClearWorlds, clear_worlds_match_brute_force) {
+TEST(ClearWorlds, hits_of_clear_and_other_worlds_match_brute_force) {
     Detector detector({.backend = Backend::cpu}), brute({.backend = Backend::reference});
     std::size_t hits = 0, clear = 0;
     for (unsigned seed = 0; seed < 8; ++seed) {
@@ -63,7 +63,7 @@ TEST(ClearWorlds, clear_worlds_match_brute_force) {
 }
 
 /// Uses a body that is 2 above an equal body.
-TEST(ClearWorlds, boxes_at_exactly_the_distance_are_not_clear) {
+TEST(ClearWorlds, bodies_at_exactly_the_distance_are_found) {
     const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
     Shape shape{MeshView(vertices, triangles), 7};

@@ -15,7 +15,7 @@ namespace crumple::test {
 namespace {
 
 template <class Scalar>
-class Codimensional : public testing::Test {
+class CodimensionalAgreement : public testing::Test {
    protected:
     template <class Work>
     void for_each_soup(double part, unsigned seeds, Work work) {
@@ -29,15 +29,15 @@ class Codimensional : public testing::Test {
     }
 };
 using Precisions = testing::Types<float, double>;
-TYPED_TEST_SUITE(Codimensional, Precisions, PrecisionNames);
+TYPED_TEST_SUITE(CodimensionalAgreement, Precisions, PrecisionNames);
 
-TYPED_TEST(Codimensional, impacts_match_brute_force) {
+TYPED_TEST(CodimensionalAgreement, impacts_match_brute_force) {
     this->for_each_soup(0.5, 4, [](const auto& soup, double) { expect_impacts(soup, {}); });
 }
-TYPED_TEST(Codimensional, welded_impacts_match_brute_force) {
+TYPED_TEST(CodimensionalAgreement, welded_impacts_match_brute_force) {
     this->for_each_soup(0.5, 2, [](const auto& soup, double) { expect_impacts(soup, {.weld = true}); });
 }
-TYPED_TEST(Codimensional, impacts_within_a_distance_match_brute_force) {
+TYPED_TEST(CodimensionalAgreement, impacts_within_a_distance_match_brute_force) {
     this->for_each_soup(0.2, 3, [](const auto& soup, double unit) {
         if (unit > 1e300) return;
         expect_impacts(soup, {.min_distance = 0.75 * unit}, std::span(tested()).subspan(1, 2));
@@ -47,7 +47,7 @@ TYPED_TEST(Codimensional, impacts_within_a_distance_match_brute_force) {
                        std::span(tested()).subspan(1, 1));
     });
 }
-TYPED_TEST(Codimensional, proximities_match_brute_force) {
+TYPED_TEST(CodimensionalAgreement, proximities_match_brute_force) {
     this->for_each_soup(0.4, 3, [](const auto& soup, double unit) {
         if (unit > 1e300 || soup.start.size() > 60) return;
         for (const double radius : {0.0, 1e-3, 1.0}) {
@@ -115,7 +115,7 @@ TEST_P(CodimensionalFeatures, particles_and_ends_of_rods_pair_with_edges) {
     EXPECT_EQ(listed.edges[0], (Edge{1, 0})) << "as it was listed";
 }
 
-TEST_P(CodimensionalFeatures, edge_pairs_cover_their_vertices) {
+TEST_P(CodimensionalFeatures, vertex_edge_pairs_covered_by_edge_pairs_are_left_out) {
     MovingSoup<> soup = points_on_a_line(5);
     soup.edges = {{0, 1}, {1, 2}, {2, 3}, {3, 4}};
     const Proximities& chain = near(soup);
@@ -173,7 +173,7 @@ TEST_P(CodimensionalFeatures, lists_of_all_features_of_a_mesh_change_nothing) {
     }
 }
 
-TEST_P(CodimensionalFeatures, closest_points_are_given_for_points_and_edges) {
+TEST_P(CodimensionalFeatures, closest_points_are_reported_for_points_and_edges) {
     MovingSoup<> soup = points_on_a_line(4);
     soup.start[3] = {0.25, 2, 0};
     soup.start[2] = {0.25, 0, 1};

@@ -69,7 +69,7 @@ TEST_P(FeatureErrors, end_may_have_another_precision) {
     EXPECT_TRUE(same_features(detector_.find(soup_.view().moving_to(floats.end_view()), ImpactQuery()), expected));
 }
 TEST_P(FeatureErrors, missing_end_is_rejected) {
-    EXPECT_STREQ(refused(soup_, {}).what(), "the vertices at the end are missing");
+    EXPECT_STREQ(refused(soup_, {}).what(), "the vertices at the end are missing; a query about motion needs them");
     VertexView end = soup_.end_view();
     end.data = nullptr;
     EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument) << "so many vertices, but no data";
@@ -170,7 +170,7 @@ TEST_P(FeatureErrors, too_many_moving_vertices_are_rejected) {
     mesh.vertices.rows = (std::int64_t{1} << 30) + 1;
     mesh.vertices.row_stride = 0;
     EXPECT_STREQ(refused([&] { detector_.find(mesh.moving_to(mesh.vertices), ImpactQuery()); }).what(),
-                 "in motion there may be 1073741824 vertices at most");
+                 "a moving scene can have at most 1073741824 vertices");
 }
 TEST_P(FeatureErrors, stopped_calls_report_cancellation) {
     std::stop_source stop;
@@ -191,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(, FeatureErrors, testing::ValuesIn(tested_backends), na
 
 /// All triangles are in one leaf. Its tests take about a second, since no floating-point filter can decide such large
 /// numbers. If the call polled only between leaves and chunks, it would poll about three times.
-TEST(FeatureCalls, stop_requests_are_polled_between_tests) {
+TEST(FeatureCalls, stop_requests_are_polled_between_exact_decisions) {
     constexpr double unit = 0x1p600;
     MovingSoup<> soup = moving_grid(6, 60, 40, 2);
     for (auto* vertices : {&soup.start, &soup.end})

@@ -162,7 +162,7 @@ TEST_P(FeatureFilters, filters_reject_no_near_pair) {
     EXPECT_LE(differ, cases / (GetParam() == Hard::needles ? 50 : 500));
 }
 
-TEST(FeatureFiltersOfManyTests, many_tests_are_filtered_like_one) {
+TEST(FeatureFilterBatches, pairs_in_a_batch_are_filtered_like_single_pairs) {
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : kinds)
             for (const int moments : {1, 2}) {
@@ -181,7 +181,7 @@ TEST(FeatureFiltersOfManyTests, many_tests_are_filtered_like_one) {
             }
 }
 
-TEST(FeatureFiltersOfManyTests, each_test_may_have_its_own_distance) {
+TEST(FeatureFilterBatches, each_pair_may_have_its_own_distance) {
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : kinds) {
             RandomCases random(Hard::opposite, float32, 109);
@@ -205,7 +205,7 @@ void expect_rejected(const FeatureCase& c) {
 }
 
 // All points of one feature are below all of the other along an axis, by at least 0.1.
-TEST(FeatureFiltersReject, features_separated_by_an_axis_are_rejected) {
+TEST(FeatureFilterRejection, features_separated_by_an_axis_are_rejected) {
     RandomCases random(Hard::random, true, 103);
     for (int i = 0; i < 400; ++i) {
         FeatureCase c = random(kinds[i % 2], 1 + i / 2 % 2);
@@ -232,7 +232,7 @@ FeatureCase stacked(FeatureKind kind, double height) {
     return {kind, 1, {{{-1.0 * u, {}}, {u, {}}, {0.75 * u - 0.125 * v + h, {}}, {0.75 * u + v + h, {}}}}};
 }
 
-TEST(FeatureFiltersReject, features_separated_by_a_plane_are_rejected) {
+TEST(FeatureFilterRejection, features_separated_by_a_plane_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (const double height : {0.01, -0.01})
             for (const float distance : {0.0f, 0.0099f}) {
@@ -242,7 +242,7 @@ TEST(FeatureFiltersReject, features_separated_by_a_plane_are_rejected) {
             }
 }
 
-TEST(FeatureFiltersReject, features_never_in_one_plane_are_rejected) {
+TEST(FeatureFilterRejection, features_never_in_one_plane_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (const double height : {0.01, -0.01}) {
             FeatureCase c = stacked(kind, height);
@@ -255,7 +255,7 @@ TEST(FeatureFiltersReject, features_never_in_one_plane_are_rejected) {
 
 // At one end of the step the vertex is above the centre of the face, and the direction between their centres separates
 // them. At the other end the direction between their centres does not.
-TEST(FeatureFiltersReject, features_separated_by_a_direction_of_one_end_are_rejected) {
+TEST(FeatureFilterRejection, features_separated_by_a_start_or_end_direction_are_rejected) {
     const Vec3d n = normal();
     FeatureCase c = stacked(FeatureKind::vertex_face, 0.02);
     c.moments = 2;
@@ -283,7 +283,7 @@ FeatureCase beside_an_edge(FeatureKind kind, std::size_t edge) {
     return c;
 }
 
-TEST(FeatureFiltersReject, features_beside_an_edge_are_rejected) {
+TEST(FeatureFilterRejection, features_beside_an_edge_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
             FeatureCase c = beside_an_edge(kind, edge);
@@ -298,7 +298,7 @@ TEST(FeatureFiltersReject, features_beside_an_edge_are_rejected) {
 
 // During the step the features are scaled in their plane and moved along its normal. The direction across the edge
 // separates them at both ends.
-TEST(FeatureFiltersReject, features_beside_an_edge_at_one_end_are_rejected) {
+TEST(FeatureFilterRejection, moving_features_beside_an_edge_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
             FeatureCase c = beside_an_edge(kind, edge);

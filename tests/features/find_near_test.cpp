@@ -23,7 +23,7 @@ struct Two {
     MeshView mesh{vertices, triangles};
 };
 
-class FindNear : public testing::TestWithParam<Backend> {
+class ProximityQueries : public testing::TestWithParam<Backend> {
    protected:
     Detector detector{[] {
         Options options;
@@ -32,7 +32,7 @@ class FindNear : public testing::TestWithParam<Backend> {
     }()};
 };
 
-TEST_P(FindNear, pairs_and_squared_distances_are_listed) {
+TEST_P(ProximityQueries, pairs_and_squared_distances_are_listed) {
     const Two two;
     const Proximities& nearby = detector.find(two.mesh, ProximityQuery{.radius = 0.5});
     ASSERT_EQ(nearby.vertex_faces().pairs.size(), 1);
@@ -45,7 +45,7 @@ TEST_P(FindNear, pairs_and_squared_distances_are_listed) {
     EXPECT_TRUE(detector.find(two.mesh, ProximityQuery{.output = Output::any, .radius = 0.5}).any);
 }
 
-TEST_P(FindNear, closest_points_are_given) {
+TEST_P(ProximityQueries, closest_points_are_reported) {
     const Two two;
     const Proximities& nearby = detector.find(two.mesh, ProximityQuery{.radius = 1.1, .closest = true});
     const ProximityList& faces = nearby.vertex_faces();
@@ -67,7 +67,7 @@ TEST_P(FindNear, closest_points_are_given) {
     }
 }
 
-TEST_P(FindNear, least_distance_of_each_feature_is_given) {
+TEST_P(ProximityQueries, least_distance_of_each_feature_is_reported) {
     const Two two;
     const Proximities& nearby = detector.find(two.mesh, ProximityQuery{.radius = 1.12, .least = true});
     const auto list = [](const Array<double>& values) { return std::vector<double>(values.begin(), values.end()); };
@@ -79,7 +79,7 @@ TEST_P(FindNear, least_distance_of_each_feature_is_given) {
     EXPECT_TRUE(detector.find(two.mesh, ProximityQuery{.radius = 1}).vertex_distance.empty());
 }
 
-TEST_P(FindNear, index_lists_pairs_by_feature) {
+TEST_P(ProximityQueries, index_lists_pairs_by_feature) {
     const Two two;
     const ProximityList& faces = detector.find(two.mesh, ProximityQuery{.radius = 1.1, .index = true}).vertex_faces();
     const auto list = [](const Array<std::int64_t>& values) {
@@ -90,7 +90,7 @@ TEST_P(FindNear, index_lists_pairs_by_feature) {
     EXPECT_EQ(list(faces.by_second), (std::vector<std::int64_t>{0, 1, 2}));
 }
 
-INSTANTIATE_TEST_SUITE_P(, FindNear, testing::Values(Backend::reference, Backend::cpu),
+INSTANTIATE_TEST_SUITE_P(, ProximityQueries, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& p) { return p.param == Backend::cpu ? "cpu" : "reference"; });
 
 }  // namespace

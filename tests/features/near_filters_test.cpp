@@ -187,40 +187,39 @@ TEST_P(NearFilters, errors_name_argument_and_vertex) {
         EXPECT_EQ(error.index, 4);
     }
     radii[4] = -0.0;
-    EXPECT_STREQ(of({.radius = 1, .radii = radii}).what(), "radius is not asked for beside radii");
+    EXPECT_STREQ(of({.radius = 1, .radii = radii}).what(), "radius must be 0 if radii are given");
     EXPECT_STREQ(of({.rings = -1}).what(), "rings must be 0 or more");
-    EXPECT_STREQ(of({.rest_radius = 1}).what(), "rest_radius needs a shape at rest");
+    EXPECT_STREQ(of({.rest_radius = 1}).what(), "rest_radius needs a rest shape");
     EXPECT_STREQ(of({.rest_radius = -1}).what(), "rest_radius must be finite and 0 or more");
     EXPECT_STREQ(of({.rest_radius = std::nan("")}).what(), "rest_radius must be finite and 0 or more");
     MovingSoup<> rest = two();
     rest.start[3][1] = std::nan("");
     const Error error = of({.rest = rest.view().vertices});
-    EXPECT_STREQ(error.what(), "at rest: vertex 3 is not finite");
+    EXPECT_STREQ(error.what(), "rest shape: vertex 3 is not finite");
     EXPECT_EQ(error.code, ErrorCode::not_finite);
     EXPECT_EQ(error.index, 3);
     VertexView view = soup.view().vertices;
     view.rows = 5;
-    EXPECT_STREQ(of({.rest = view}).what(), "there are 5 vertices at rest for 6 vertices");
+    EXPECT_STREQ(of({.rest = view}).what(), "there are 5 vertices in the rest shape for 6 vertices");
     view = soup.view().vertices;
     view.data = nullptr;
-    EXPECT_STREQ(of({.rest = view}).what(), "the vertices at rest have no data");
+    EXPECT_STREQ(of({.rest = view}).what(), "the vertices of the rest shape have no data");
 
     std::vector<Shape> shapes{Shape(soup.view()), Shape(soup.view())};
     const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
     const auto of_world = [&](const ProximityQuery& query) {
         return error_of([&] { detector.find(World{shapes, bodies, {}}, query); });
     };
-    EXPECT_STREQ(of_world({.radii = radii}).what(), "radii of a world are those of its shapes");
-    EXPECT_STREQ(of_world({.rest = soup.view().vertices}).what(),
-                 "the rest shape of a world is that of each of its shapes");
-    EXPECT_STREQ(of_world({.rest_radius = 1}).what(), "rest_radius needs a shape at rest");
+    EXPECT_STREQ(of_world({.radii = radii}).what(), "radii must be empty for a world; use Shape::radii");
+    EXPECT_STREQ(of_world({.rest = soup.view().vertices}).what(), "rest must be empty for a world; use Shape::rest");
+    EXPECT_STREQ(of_world({.rest_radius = 1}).what(), "rest_radius needs a rest shape");
     radii[2] = -3;
     shapes[1].radii = radii;
     EXPECT_STREQ(of_world({}).what(), "shape 1: the radius of vertex 2 must be finite and 0 or more");
     radii[2] = 0;
-    EXPECT_STREQ(of_world({.radius = 1}).what(), "radius is not asked for beside radii");
+    EXPECT_STREQ(of_world({.radius = 1}).what(), "radius must be 0 if radii are given");
     shapes[1].rest = rest.view().vertices;
-    EXPECT_STREQ(of_world({}).what(), "shape 1: at rest: vertex 3 is not finite");
+    EXPECT_STREQ(of_world({}).what(), "shape 1: rest shape: vertex 3 is not finite");
     EXPECT_FALSE(detector.find(soup.view(), ProximityQuery()).any) << "usable still";
 }
 
@@ -355,7 +354,7 @@ TEST_P(NearFilters, rings_follow_codimensional_edges) {
 }
 
 /// One radius for all pairs equals half of it for each vertex.
-TYPED_TEST(NearFilterAgreement, equal_radii_are_like_one_radius) {
+TYPED_TEST(NearFilterAgreement, equal_radii_act_like_one_radius) {
     for_each_small_soup<TypeParam>(300, [&](const auto& move, unsigned) {
         const double radius = 0.25 * move.unit;
         const std::vector<double> radii(move.soup.start.size(), radius);
@@ -419,7 +418,7 @@ struct LiteralContract {
     }
 };
 
-TEST(NearFiltersOfTheReference, reference_follows_the_contract) {
+TEST(NearFilterReference, reference_matches_the_filters_as_documented) {
     for (unsigned seed = 0; seed < 12; ++seed) {
         const MovingSoup<> soup = moving_grid(4, 14, 8, 50 + seed);
         Draw draw(seed);

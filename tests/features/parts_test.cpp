@@ -132,7 +132,7 @@ TYPED_TEST(PartsOfFeatures, parts_have_the_impacts_of_the_whole) {
     });
 }
 
-TYPED_TEST(PartsOfFeatures, parts_have_impacts_within_a_distance_share) {
+TYPED_TEST(PartsOfFeatures, parts_have_all_impacts_within_a_distance_share) {
     this->for_each_soup(0.2, [](const auto& move, unsigned) {
         if (move.unit < 1e100) expect_union(move.soup, ImpactQuery{.min_distance_share = 0.5});
     });
@@ -147,7 +147,7 @@ TYPED_TEST(PartsOfFeatures, parts_have_the_proximities_of_the_whole) {
     });
 }
 
-TYPED_TEST(PartsOfFeatures, parts_have_codimensional_features) {
+TYPED_TEST(PartsOfFeatures, parts_have_all_pairs_of_codimensional_features) {
     this->for_each_soup(0.4, [](const auto& move, unsigned seed) {
         if (move.unit > 1e100) return;
         for (unsigned lists = 0; lists < 4; ++lists) {
@@ -192,7 +192,7 @@ TYPED_TEST(PartsOfFeatures, parts_respect_group_filters) {
     }
 }
 
-TEST(PartOfFeatures, offsets_and_least_distances_follow_the_lists_of_the_part) {
+TEST(FeaturePart, offsets_and_least_distances_follow_the_lists_of_the_part) {
     const auto soup = moving_grid(5, 60, 70, 5);
     for (const std::int32_t rings : {0, 1}) {
         const ProximityQuery query{.radius = 1, .least = true, .rings = rings, .index = true};
@@ -215,7 +215,7 @@ TEST(PartOfFeatures, offsets_and_least_distances_follow_the_lists_of_the_part) {
     }
 }
 
-TEST(PartOfFeatures, parts_outlive_the_mesh) {
+TEST(FeaturePart, parts_outlive_the_mesh) {
     auto soup = moving_grid(6, 40, 30, 3);
     const Impacts all = whole(soup, ImpactQuery{});
     ASSERT_GT(all.count, 50);
@@ -224,7 +224,7 @@ TEST(PartOfFeatures, parts_outlive_the_mesh) {
     expect_union(all, parts, ImpactQuery{}, searching_detector());
 }
 
-TEST(PartOfFeatures, output_may_be_first_or_any) {
+TEST(FeaturePart, output_may_be_first_or_any) {
     const auto soup = moving_grid(6, 40, 30, 3);
     for (const Part& part : partition(soup, ImpactQuery{}, 3)) {
         const Impacts all = searching_detector().find(part, ImpactQuery());
@@ -239,7 +239,7 @@ TEST(PartOfFeatures, output_may_be_first_or_any) {
 }
 
 /// A query about a part may have smaller distances than the query that the part was made for.
-TEST(PartOfFeatures, smaller_distances_may_be_queried) {
+TEST(FeaturePart, smaller_distances_may_be_queried) {
     const auto soup = moving_grid(5, 60, 70, 6);
     const auto parts = partition(soup, ImpactQuery{.min_distance = 1, .min_distance_share = 0.3}, 5);
     expect_union(whole(soup, ImpactQuery{.min_distance = 0.25}), parts, ImpactQuery{.min_distance = 0.25},
@@ -256,7 +256,7 @@ std::string message(const Part& part, const ProximityQuery& query) {
     return error_of([&] { searching_detector().find(part, query); }).what();
 }
 
-TEST(PartOfFeatures, unsuitable_queries_are_rejected) {
+TEST(FeaturePart, unsuitable_queries_are_rejected) {
     const auto soup = moving_grid(5, 30, 20, 6);
     const Part moving = partition(soup, ImpactQuery{.min_distance = 1}, 2)[0];
     const Part static_part = partition(soup, ProximityQuery{.radius = 1, .rings = 1}, 2)[0];
@@ -264,21 +264,23 @@ TEST(PartOfFeatures, unsuitable_queries_are_rejected) {
     EXPECT_EQ(message(plain, ImpactQuery{}), "the part was not made for a query about features");
     EXPECT_EQ(error_of([&] { searching_detector().find(moving); }).what(),
               std::string("the part was made for a query about features"));
-    EXPECT_EQ(message(moving, ProximityQuery{}), "the part was made for a question about motion");
-    EXPECT_EQ(message(static_part, ImpactQuery{}), "the part was made for a question about nearness");
+    EXPECT_EQ(message(moving, ProximityQuery{}), "the part was made for a query about motion");
+    EXPECT_EQ(message(static_part, ImpactQuery{}), "the part was made for a query about nearness");
     EXPECT_EQ(message(moving, ImpactQuery{.min_distance = 2}),
               "min_distance and min_distance_share must be at most those that the part was made for");
     EXPECT_EQ(message(moving, ImpactQuery{.min_distance_share = 0.5}),
               "min_distance and min_distance_share must be at most those that the part was made for");
-    EXPECT_EQ(message(moving, ImpactQuery{.weld = true}), "weld must be as the part was made");
+    EXPECT_EQ(message(moving, ImpactQuery{.weld = true}), "weld must be as in the query that the part was made for");
     EXPECT_EQ(message(moving, ImpactQuery{.triangle_pairs = true}),
-              "triangle_pairs must be false: parts of features have none");
+              "triangle_pairs must be false: parts do not support them");
     EXPECT_EQ(message(static_part, ProximityQuery{.radius = 2, .rings = 1}),
-              "radius must be at most that which the part was made for");
-    EXPECT_EQ(message(static_part, ProximityQuery{.radius = 1}), "rings must be as the part was made");
-    EXPECT_EQ(message(static_part, ProximityQuery{.rest_radius = 1}), "rings must be as the part was made");
+              "radius must be at most that of the query that the part was made for");
+    EXPECT_EQ(message(static_part, ProximityQuery{.radius = 1}),
+              "rings must be as in the query that the part was made for");
+    EXPECT_EQ(message(static_part, ProximityQuery{.rest_radius = 1}),
+              "rings must be as in the query that the part was made for");
     EXPECT_EQ(message(static_part, ProximityQuery{.rings = 1, .rest_radius = 1}),
-              "rest_radius needs a part that was made with a shape at rest");
+              "rest_radius needs a part that was made with a rest shape");
     EXPECT_EQ(message(moving, ImpactQuery{.min_distance = -1}), "min_distance must be finite and 0 or more");
     EXPECT_EQ(error_of([&] { partition(soup, ImpactQuery{}, 0); }).what(),
               std::string("the number of parts must be 1 to 262144"));
@@ -289,7 +291,7 @@ TEST(PartOfFeatures, unsuitable_queries_are_rejected) {
 }
 
 /// Any inconsistent change of a part that comes from elsewhere is an error.
-TEST(PartOfFeatures, inconsistent_parts_are_rejected) {
+TEST(FeaturePart, inconsistent_parts_are_rejected) {
     const auto soup = with_lists(moving_grid(5, 40, 40, 6), 4);
     const Part good = partition(soup, ImpactQuery{}, 2)[0];
     ASSERT_GT(good.features->edges.size(), 3u);
@@ -321,7 +323,7 @@ TEST(PartOfFeatures, inconsistent_parts_are_rejected) {
 }
 
 /// Radii that come from elsewhere may be invalid.
-TEST(PartOfFeatures, invalid_radii_and_rest_positions_are_rejected) {
+TEST(FeaturePart, invalid_radii_and_rest_positions_are_rejected) {
     const auto soup = moving_grid(5, 30, 20, 6);
     const std::vector<double> radii(soup.start.size(), 0.5);
     Part part = partition(soup, ProximityQuery{.radii = radii}, 1)[0];

@@ -205,7 +205,7 @@ TEST(TrianglesApart, triangles_separated_by_a_normal_are_dropped) {
 
 // Both triangles are tilted at the start. At the end one of them is not tilted, and only its normal separates the
 // triangles at both times.
-TEST(TrianglesApart, triangles_separated_by_a_normal_of_one_end_are_dropped) {
+TEST(TrianglesApart, triangles_separated_by_a_start_or_end_normal_are_dropped) {
     const Vec3d u{0.6, 0.1, 0.3}, v{-0.2, 0.5, 0.2}, n = (1 / std::sqrt(dot(cross(u, v), cross(u, v)))) * cross(u, v);
     const double at_start[] = {0, 0.1, 0.3}, at_end[] = {0.3, 0.2, 0};
     for (const bool lower : {true, false}) {
@@ -227,7 +227,7 @@ TEST(TrianglesApart, triangles_separated_by_a_normal_of_one_end_are_dropped) {
 
 // One triangle turns about the x axis by a quarter turn during the step, so that only directions at one end of the step
 // separate the triangles.
-TEST(TrianglesApart, triangles_separated_by_a_direction_of_one_end_are_dropped) {
+TEST(TrianglesApart, triangles_separated_by_a_start_or_end_direction_are_dropped) {
     TriangleCase c{2, {}, {0.05, 0}};
     for (std::size_t k = 0; k < 3; ++k) {
         const double x = k == 0 ? 0.6 : -0.3, y = k == 1 ? 0.6 : -0.3;

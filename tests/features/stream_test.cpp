@@ -345,7 +345,7 @@ TEST(StreamOfFeatures, unsupported_options_of_blocks_are_rejected) {
     expect("kinds", [&] { Detector().stream(soup.view(), CandidateQuery{.kinds = {}}, ignore); });
     for (const std::int64_t size : {std::int64_t{0}, (std::int64_t{1} << 40) + 1})
         expect("block_rows", [&] { Detector().stream(soup.view(), CandidateQuery(), ignore, size); });
-    expect("radii of a world", [&] {
+    expect("radii must be empty for a world", [&] {
         const std::vector<double> radii{1};
         Detector().stream(World(), ProximityQuery{.radii = radii}, ignore);
     });

@@ -63,7 +63,7 @@ class RingsOfVertices : public testing::Test {
     bool recomputed = false;
 };
 
-TEST_F(RingsOfVertices, rings_match_a_plain_walk) {
+TEST_F(RingsOfVertices, rings_match_a_walk_along_edges) {
     std::vector<NamedMove<double>> soups = moving_soups<double>();
     soups.push_back({"many", moving_grid(4, 5000, 1500, 30)});  // more than a chunk
     for (const NamedMove<double>& move : soups)
@@ -76,7 +76,7 @@ TEST_F(RingsOfVertices, rings_match_a_plain_walk) {
             }
 }
 
-TEST_F(RingsOfVertices, rings_are_recomputed_only_if_they_change) {
+TEST_F(RingsOfVertices, rings_survive_motion_but_not_changed_triangles) {
     MovingSoup<> soup = moving_grid(4, 30, 20, 31);
     prepare(soup, 2);
     EXPECT_TRUE(recomputed);

@@ -398,15 +398,15 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
     }
 };
 
-TEST_P(FeaturesOfWorlds, features_of_bodies_match_those_of_one_soup) { compare({.bodies = 6, .triangles = 12}); }
-TEST_P(FeaturesOfWorlds, features_of_several_worlds_match_one_soup) {
+TEST_P(FeaturesOfWorlds, results_of_bodies_match_one_soup) { compare({.bodies = 6, .triangles = 12}); }
+TEST_P(FeaturesOfWorlds, results_of_several_worlds_match_one_soup) {
     compare({.bodies = 10, .worlds = 4, .triangles = 10, .everywhere = 0.3, .reach = 0.5});
 }
-TEST_P(FeaturesOfWorlds, features_of_bodies_in_all_worlds_match_one_soup) {
+TEST_P(FeaturesOfWorlds, results_of_bodies_in_all_worlds_match_one_soup) {
     compare({.bodies = 5, .triangles = 8, .everywhere = 1});
 }
-TEST_P(FeaturesOfWorlds, features_of_one_body_match_one_soup) { compare({.bodies = 1, .triangles = 30}); }
-TEST_P(FeaturesOfWorlds, worlds_without_bodies_have_no_features) { compare({.bodies = 0}); }
+TEST_P(FeaturesOfWorlds, results_of_one_body_match_one_soup) { compare({.bodies = 1, .triangles = 30}); }
+TEST_P(FeaturesOfWorlds, worlds_without_bodies_have_no_results) { compare({.bodies = 0}); }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, FeaturesOfWorlds, testing::Range(0u, played ? 3u : 12u));
 

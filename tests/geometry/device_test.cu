@@ -38,7 +38,7 @@ std::vector<Verdict> decide_on_device(const std::vector<TrianglePair>& pairs, In
 
 const int rounds = scaled_rounds(4'000);
 
-TEST_F(Device, decides_as_the_host_does) {
+TEST_F(Device, decisions_match_the_host) {
     for (const Kind kind : all_kinds) {
         RandomPairs random(kind, 47);
         std::vector<TrianglePair> pairs;
@@ -69,7 +69,7 @@ __global__ void contact_all(const TrianglePair* pairs, int count, Found* found) 
     if (i < count) found[i].done = contact_on_line(pairs[i].a, pairs[i].b, NothingExact{}, found[i].contact);
 }
 
-TEST_F(Device, finds_the_hosts_contacts) {
+TEST_F(Device, contacts_match_the_host) {
     for (const Kind kind : all_kinds) {
         RandomPairs random(kind, 79);
         std::vector<TrianglePair> pairs;
@@ -133,7 +133,7 @@ __global__ void filter_all(const Leaf* leaves, int count, FilterResult* results)
     if (i < count) results[i] = filter_result(leaves[i]);
 }
 
-TEST_F(Device, filters_as_the_host_does) {
+TEST_F(Device, filters_match_the_host) {
     RandomPairs random(Kind::random_float, 73);
     std::vector<Leaf> leaves(20'000);
     for (Leaf& leaf : leaves) {
@@ -204,7 +204,7 @@ __global__ void digest_all(const Tree* tree, const TrianglePair* pairs, int coun
     if (i < count) digests[i] = tree->digest(pairs[i].a);
 }
 
-TEST_F(Device, finds_the_parts_that_the_host_finds) {
+TEST_F(Device, parts_of_triangles_match_the_host) {
     RandomPairs random(Kind::random_float, 11);
     const std::vector<Tree> tree{Tree(random)};
     std::vector<TrianglePair> pairs;

@@ -15,7 +15,7 @@ void expect_near(DoubleWord computed, const Rational& exact, double relative, co
     ASSERT_EQ(computed.high, computed.high + computed.low) << operation << " leaves overlapping words";
 }
 
-TEST(DoubleWord, ErrorsStayWithinTheBoundsThatContactsRelyOn) {
+TEST(DoubleWord, operations_stay_within_their_error_bounds) {
     std::mt19937_64 engine(3);
     std::uniform_real_distribution<double> number(-1, 1);
     for (int i = 0; i < scaled_rounds(20'000); ++i) {

@@ -71,7 +71,7 @@ TEST(Expansion, holds_sums_differences_and_products_exactly) {
     }
 }
 
-TEST(Expansion, cancels_to_zero) {
+TEST(Expansion, equal_expansions_cancel_to_zero) {
     const Expansion<2> a = exact_difference(1, 0x1p-60), b = exact_difference(3, 0x1p-70);
     EXPECT_EQ((a * b - b * a).sign(), 0);
     EXPECT_EQ((a - a).size, 0);

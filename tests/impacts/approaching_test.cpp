@@ -125,9 +125,9 @@ void check(const Move& move, Tally& tally) {
         << query;
 }
 
-class ClosingInFloat64 : public testing::TestWithParam<Feature> {};
+class ApproachingFilter : public testing::TestWithParam<Feature> {};
 
-TEST_P(ClosingInFloat64, agrees_with_rational_arithmetic) {
+TEST_P(ApproachingFilter, agrees_with_rational_arithmetic) {
     Tally tally;
     for (const Lattice lattice : all_lattices) {
         RandomMoves random(lattice, 47);
@@ -138,7 +138,7 @@ TEST_P(ClosingInFloat64, agrees_with_rational_arithmetic) {
 }
 
 /// Uses moves that change the distance by a few units in the last place at most.
-TEST_P(ClosingInFloat64, is_right_or_uncertain_within_rounding) {
+TEST_P(ApproachingFilter, is_right_or_undecided_within_rounding_errors) {
     Tally tally;
     RandomMoves random(Lattice::tiny, 53);
     for (int i = 0; i < 300; ++i) {
@@ -161,7 +161,7 @@ std::string name_of(const testing::TestParamInfo<Feature>& info) {
     return names[static_cast<int>(info.param)];
 }
 
-INSTANTIATE_TEST_SUITE_P(Features, ClosingInFloat64, testing::ValuesIn(all_features), name_of);
+INSTANTIATE_TEST_SUITE_P(Features, ApproachingFilter, testing::ValuesIn(all_features), name_of);
 
 }  // namespace
 }  // namespace approaching

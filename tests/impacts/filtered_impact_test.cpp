@@ -194,7 +194,7 @@ TEST(FilteredImpact, rounds_down_roots_next_to_float64_numbers) {
     EXPECT_GT(tally.unknown, 0) << "not at the edge";
 }
 
-TEST(FilteredImpact, is_right_within_rounding_of_a_border) {
+TEST(FilteredImpact, is_right_within_rounding_errors_of_a_border) {
     // Contact at a random time t on the border of a feature, or at a corner, as nearly as rounding allows; in most
     // rounds a random, often tiny distance beside the border.
     RandomMoves random(Lattice::tiny, 89);
@@ -323,7 +323,7 @@ TEST(FilteredImpact, is_undecided_for_nan_and_infinity) {
     }
 }
 
-TEST(DecideImpact, decides_contact_at_the_start_by_predicates) {
+TEST(DecidedImpact, contact_at_the_start_is_decided_by_predicates) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 73);
         ImpactCounts counts;
@@ -344,7 +344,7 @@ TEST(DecideImpact, decides_contact_at_the_start_by_predicates) {
     }
 }
 
-TEST(DecideImpact, hardly_needs_rationals_for_slides_in_axis_aligned_planes) {
+TEST(DecidedImpact, slides_in_axis_aligned_planes_hardly_need_rationals) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::level, 79);
         ImpactCounts counts;
@@ -373,7 +373,7 @@ TEST(DecideImpact, hardly_needs_rationals_for_slides_in_axis_aligned_planes) {
     }
 }
 
-TEST(DecideImpact, agrees_with_rational_arithmetic) {
+TEST(DecidedImpact, agrees_with_rational_arithmetic) {
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 53);

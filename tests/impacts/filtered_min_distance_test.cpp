@@ -88,7 +88,7 @@ double distance_at(const Move& move, double t) {
     return length.operator()<FeatureKinds::vertex_vertex>();
 }
 
-TEST(QuickSeparation, is_right_for_degenerate_moves) {
+TEST(FilteredMinDistance, is_right_for_degenerate_moves) {
     for (const Feature feature : all_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 47);
@@ -99,7 +99,7 @@ TEST(QuickSeparation, is_right_for_degenerate_moves) {
     }
 }
 
-TEST(QuickSeparation, decides_nearly_all_moves_in_general_position) {
+TEST(FilteredMinDistance, decides_nearly_all_moves_in_general_position) {
     for (const Feature feature : all_features) {
         RandomMoves random(Lattice::wide, 53);
         Tally tally;
@@ -114,7 +114,7 @@ TEST(QuickSeparation, decides_nearly_all_moves_in_general_position) {
     }
 }
 
-TEST(QuickSeparation, is_right_within_a_few_ulps_of_the_distance) {
+TEST(FilteredMinDistance, is_right_within_a_few_ulps_of_the_distance) {
     // The minimum distance is the distance of the features at time t, up to a few units in the last place. So they come
     // within it near t, or earlier, or at the start, or for an instant only, or just not.
     for (const Feature feature : all_features) {
@@ -141,7 +141,7 @@ TEST(QuickSeparation, is_right_within_a_few_ulps_of_the_distance) {
     }
 }
 
-TEST(QuickSeparation, is_right_far_from_the_origin) {
+TEST(FilteredMinDistance, is_right_far_from_the_origin) {
     for (const Feature feature : all_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 61);
@@ -160,7 +160,7 @@ TEST(QuickSeparation, is_right_far_from_the_origin) {
     }
 }
 
-TEST(QuickSeparation, is_right_where_it_underflows_or_overflows) {
+TEST(FilteredMinDistance, is_right_where_it_underflows_or_overflows) {
     for (const Feature feature : all_features) {
         for (const int exponent : {-1074, -1070, -1000, -540, -460, -450, -445, -300, -105, -100, -95, 90, 95, 100, 105,
                                    290, 300, 500, 1010}) {
@@ -177,7 +177,7 @@ TEST(QuickSeparation, is_right_where_it_underflows_or_overflows) {
     }
 }
 
-TEST(QuickSeparation, is_right_for_mixed_magnitudes) {
+TEST(FilteredMinDistance, is_right_for_mixed_magnitudes) {
     for (const Feature feature : all_features) {
         RandomMoves random(Lattice::wide, 71);
         Tally tally;
@@ -193,7 +193,7 @@ TEST(QuickSeparation, is_right_for_mixed_magnitudes) {
     }
 }
 
-TEST(QuickSeparation, is_undecided_for_nan_and_infinity) {
+TEST(FilteredMinDistance, is_undecided_for_nan_and_infinity) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     RandomMoves random(Lattice::wide, 73);
     for (const Feature feature : all_features) {
@@ -205,7 +205,7 @@ TEST(QuickSeparation, is_undecided_for_nan_and_infinity) {
     }
 }
 
-TEST(SurelyFarther, is_never_true_of_edges_that_come_close) {
+TEST(EdgeEdgeFilter, edges_that_come_close_are_never_rejected) {
     RandomMoves random(Lattice::wide, 79);
     int farther = 0, none = 0;
     for (int i = 0; i < 1'000; ++i) {
@@ -221,7 +221,7 @@ TEST(SurelyFarther, is_never_true_of_edges_that_come_close) {
     EXPECT_GT(farther, none - 10);
 }
 
-TEST(DecideSeparation, is_exact) {
+TEST(DecidedMinDistance, agrees_with_rational_arithmetic) {
     for (const Feature feature : all_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 83);

@@ -24,7 +24,7 @@ VertexView view(const Vertices& vertices) {
     return {vertices.data(), static_cast<std::int64_t>(vertices.size()), 24, 8, ScalarType::float64};
 }
 
-class FindImpacts : public testing::TestWithParam<Backend> {
+class ImpactQueries : public testing::TestWithParam<Backend> {
    protected:
     Detector detector{[] {
         Options options;
@@ -33,7 +33,7 @@ class FindImpacts : public testing::TestWithParam<Backend> {
     }()};
 };
 
-TEST_P(FindImpacts, reports_vertex_face_and_time) {
+TEST_P(ImpactQueries, vertex_face_and_time_are_reported) {
     const Falling scene;
     const Impacts& impacts =
         detector.find((MeshView(scene.start, scene.triangles)).moving_to(view(scene.end)), ImpactQuery());
@@ -46,7 +46,7 @@ TEST_P(FindImpacts, reports_vertex_face_and_time) {
     EXPECT_EQ(impacts.edges.size(), 6);
 }
 
-TEST_P(FindImpacts, reports_first_impact_and_whether_the_step_is_free) {
+TEST_P(ImpactQueries, first_impact_is_reported_or_none_if_the_step_is_free) {
     const Falling scene;
     const MeshView mesh(scene.start, scene.triangles);
     const FirstImpact first = detector.find(mesh.moving_to(view(scene.end)), FirstImpactQuery());
@@ -58,7 +58,7 @@ TEST_P(FindImpacts, reports_first_impact_and_whether_the_step_is_free) {
     EXPECT_FALSE(detector.find(mesh.moving_to(view(scene.start)), FirstImpactQuery()).found);
 }
 
-TEST_P(FindImpacts, free_step_ends_before_the_first_contact) {
+TEST_P(ImpactQueries, free_step_ends_before_the_first_contact) {
     const Falling scene;
     const MeshView mesh(scene.start, scene.triangles);
     const FreeStep step = detector.find(mesh.moving_to(view(scene.end)), FreeStepQuery());
@@ -71,7 +71,7 @@ TEST_P(FindImpacts, free_step_ends_before_the_first_contact) {
     EXPECT_EQ(whole.positions[3 * 3 + 2], 1);
 }
 
-TEST_P(FindImpacts, free_step_is_zero_if_the_start_touches) {
+TEST_P(ImpactQueries, free_step_is_zero_if_the_start_touches) {
     Falling scene;
     scene.start[3] = {1, 1, 0};
     const FreeStep step =
@@ -82,7 +82,7 @@ TEST_P(FindImpacts, free_step_is_zero_if_the_start_touches) {
         detector.find((MeshView(scene.start, scene.triangles)).moving_to(view(scene.end)), FirstImpactQuery()).start);
 }
 
-TEST_P(FindImpacts, keeps_the_minimum_distance) {
+TEST_P(ImpactQueries, first_impact_and_free_step_respect_the_min_distance) {
     const Falling scene;
     const MeshView mesh(scene.start, scene.triangles);
     EXPECT_EQ(detector.find(mesh.moving_to(view(scene.end)), FirstImpactQuery{{.min_distance = 0.5}}).toi, 0.25);
@@ -92,7 +92,7 @@ TEST_P(FindImpacts, keeps_the_minimum_distance) {
     EXPECT_EQ(step.share, 0.25 * (1 - 0x1p-16));
 }
 
-INSTANTIATE_TEST_SUITE_P(, FindImpacts, testing::Values(Backend::reference, Backend::cpu),
+INSTANTIATE_TEST_SUITE_P(, ImpactQueries, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& p) { return p.param == Backend::cpu ? "cpu" : "reference"; });
 
 }  // namespace

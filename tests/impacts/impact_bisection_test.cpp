@@ -121,9 +121,9 @@ double rounded_down(int k, int q) {
     return std::fma(quotient, q, -k) > 0 ? std::nextafter(quotient, 0.0) : quotient;
 }
 
-class Bisected : public testing::TestWithParam<Feature> {};
+class ImpactBisection : public testing::TestWithParam<Feature> {};
 
-TEST_P(Bisected, finds_the_same_impacts) {
+TEST_P(ImpactBisection, impacts_match_bisection_of_time) {
     // Shortly before a grazing contact, no direction separates the features throughout an interval of length h = 2^-20.
     // This begins up to about the cube root of h before the contact.
     constexpr double grazing = 0x1p-6;
@@ -145,7 +145,7 @@ TEST_P(Bisected, finds_the_same_impacts) {
     EXPECT_GT(hits, 10);
 }
 
-TEST_P(Bisected, times_that_are_fractions_are_exact) {
+TEST_P(ImpactBisection, times_of_impact_that_are_fractions_are_exact) {
     // Tests exactly whether the features touch at times k / q with small q. If they do, the impact is not later. If the
     // time of impact is k / q rounded down, they touch at k / q.
     constexpr int largest = 12;
@@ -183,7 +183,7 @@ std::string name_of(const testing::TestParamInfo<Feature>& info) {
     return names[static_cast<int>(info.param)];
 }
 
-INSTANTIATE_TEST_SUITE_P(Features, Bisected, testing::ValuesIn(all_features), name_of);
+INSTANTIATE_TEST_SUITE_P(Features, ImpactBisection, testing::ValuesIn(all_features), name_of);
 
 }  // namespace
 }  // namespace crumple

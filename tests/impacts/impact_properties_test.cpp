@@ -94,7 +94,7 @@ TEST(Impact, does_not_depend_on_the_origin) {
     });
 }
 
-TEST(Impact, happens_if_the_reversed_move_has_one) {
+TEST(Impact, reversed_move_has_an_impact_iff_the_move_has_one) {
     for_moves(13, [](const Move& move, const Impact& impact) {
         Move back = move;
         for (MovingPoint& p : back.point) std::swap(p.start, p.end);
@@ -105,7 +105,7 @@ TEST(Impact, happens_if_the_reversed_move_has_one) {
     });
 }
 
-TEST(Impact, of_half_the_move_comes_at_twice_the_time) {
+TEST(Impact, half_of_the_move_doubles_the_time_of_impact) {
     // The half move takes all of the time, so an impact comes at twice the time.
     for_moves(17, [](const Move& move, const Impact& impact) {
         Move half = move;
@@ -161,7 +161,7 @@ bool touch(const Move& move, Vec3d MovingPoint::*at) {
     return intersect_rationally(a, b).collides;
 }
 
-TEST(Impact, starts_where_the_features_touch) {
+TEST(Impact, start_is_flagged_iff_the_features_touch) {
     for_moves(23, [](const Move& move, const Impact& impact) {
         ASSERT_EQ(impact.start, touch(move, &MovingPoint::start)) << move;
         ASSERT_TRUE(!impact.start || impact.toi == 0) << move;
@@ -169,7 +169,7 @@ TEST(Impact, starts_where_the_features_touch) {
     });
 }
 
-TEST(Impact, without_motion_equals_touching) {
+TEST(Impact, static_features_have_an_impact_iff_they_touch) {
     for_moves(29, [](const Move& move, const Impact&) {
         Move still = move;
         for (MovingPoint& p : still.point) p.end = p.start;

@@ -20,7 +20,7 @@ class ImpactTruth : public testing::TestWithParam<SceneStep> {
     std::vector<SceneImpact> impacts_;
 };
 
-TEST_P(ImpactTruth, exact_impacts_match_to_the_last_bit) {
+TEST_P(ImpactTruth, rational_impacts_match_ground_truth_to_the_last_bit) {
     // Rational arithmetic is slow.
     const std::size_t every = impacts_.size() < 1000 ? 1 : 50;
     for (std::size_t i = 0; i < impacts_.size(); i += every) {
@@ -29,7 +29,7 @@ TEST_P(ImpactTruth, exact_impacts_match_to_the_last_bit) {
     }
 }
 
-TEST_P(ImpactTruth, float64_impacts_match_to_the_last_bit) {
+TEST_P(ImpactTruth, float64_impacts_match_ground_truth_to_the_last_bit) {
     ImpactCounts counts;
     for (std::size_t i = 0; i < impacts_.size(); ++i) {
         const auto& [move, impact] = impacts_[i];

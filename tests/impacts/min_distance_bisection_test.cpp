@@ -138,9 +138,9 @@ double rounded_down(int k, int q) {
     return std::fma(quotient, q, -k) > 0 ? std::nextafter(quotient, 0.0) : quotient;
 }
 
-class BisectedSeparation : public testing::TestWithParam<Feature> {};
+class MinDistanceBisection : public testing::TestWithParam<Feature> {};
 
-TEST_P(BisectedSeparation, is_found_at_the_same_time) {
+TEST_P(MinDistanceBisection, impacts_match_bisection_of_time) {
     // Shortly before a closest approach, no direction keeps the features beyond the distance throughout an interval of
     // length 2^-20. This begins up to 2^-6 before the impact.
     constexpr double grazing = 0x1p-6;
@@ -164,7 +164,7 @@ TEST_P(BisectedSeparation, is_found_at_the_same_time) {
     EXPECT_LT(hits, all);
 }
 
-TEST_P(BisectedSeparation, times_that_are_fractions_are_exact) {
+TEST_P(MinDistanceBisection, times_of_impact_that_are_fractions_are_exact) {
     // Computes the exact distance at times k / q with small q. If it is within the minimum distance, the impact is not
     // later. If the time of impact is k / q rounded down, the distance at k / q equals the minimum distance.
     constexpr int largest = 6;
@@ -196,7 +196,7 @@ TEST_P(BisectedSeparation, times_that_are_fractions_are_exact) {
     EXPECT_GT(exact, 10);
 }
 
-TEST_P(BisectedSeparation, approaching_only_finds_features_nearer_than_at_the_start) {
+TEST_P(MinDistanceBisection, approaching_only_finds_features_nearer_than_at_the_start) {
     constexpr int largest = 8;
     int hits = 0, later = 0, all = 0;
     for (const Lattice lattice : all_lattices) {
@@ -234,7 +234,7 @@ std::string name_of(const testing::TestParamInfo<Feature>& info) {
     return names[static_cast<int>(info.param)];
 }
 
-INSTANTIATE_TEST_SUITE_P(Features, BisectedSeparation, testing::ValuesIn(all_features), name_of);
+INSTANTIATE_TEST_SUITE_P(Features, MinDistanceBisection, testing::ValuesIn(all_features), name_of);
 
 }  // namespace
 }  // namespace crumple

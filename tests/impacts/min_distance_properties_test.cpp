@@ -42,7 +42,7 @@ MinDistanceMove with_positions(MinDistanceMove query, Change change) {
     return query;
 }
 
-TEST(MinDistance, of_zero_is_an_impact) {
+TEST(MinDistance, zero_min_distance_gives_the_impact) {
     for_separated(3, [](MinDistanceMove query, const Impact&) {
         query.separation = {};
         const Impact impact = query.move.impact();
@@ -52,7 +52,7 @@ TEST(MinDistance, of_zero_is_an_impact) {
     });
 }
 
-TEST(MinDistance, comes_no_later_for_more_distance) {
+TEST(MinDistance, larger_min_distance_is_reached_no_later) {
     for_separated(5, [](MinDistanceMove query, const Impact& impact) {
         Impact closer = impact;
         for (int i = 0; i < 3; ++i) {
@@ -69,7 +69,7 @@ TEST(MinDistance, comes_no_later_for_more_distance) {
     });
 }
 
-TEST(MinDistance, is_the_earlier_of_distance_and_share) {
+TEST(MinDistance, distance_and_share_give_the_earlier_impact) {
     for_separated(7, [](const MinDistanceMove& query, const Impact& impact) {
         MinDistanceMove distance = query, share = query;
         distance.separation.share = 0;
@@ -80,7 +80,7 @@ TEST(MinDistance, is_the_earlier_of_distance_and_share) {
     });
 }
 
-TEST(MinDistance, does_not_depend_on_the_order_of_points) {
+TEST(MinDistance, impact_does_not_depend_on_the_order_of_points) {
     for_separated(11, [](const MinDistanceMove& query, const Impact& impact) {
         const auto& [p, q, r, s] = query.move.point;
         const MinDistance& separation = query.separation;
@@ -99,7 +99,7 @@ TEST(MinDistance, does_not_depend_on_the_order_of_points) {
     });
 }
 
-TEST(MinDistance, does_not_depend_on_the_axes) {
+TEST(MinDistance, impact_does_not_depend_on_the_axes) {
     for_separated(13, [](const MinDistanceMove& query, const Impact& impact) {
         ASSERT_EQ(with_positions(query, [](Vec3d p) { return Vec3d{p.y, -p.z, p.x}; }).impact(), impact) << query;
         // Turned and scaled by 3, 4, 5, so that distances are 5 times as long.
@@ -112,7 +112,7 @@ TEST(MinDistance, does_not_depend_on_the_axes) {
     });
 }
 
-TEST(MinDistance, does_not_depend_on_the_unit) {
+TEST(MinDistance, impact_does_not_depend_on_the_unit) {
     for_separated(17, [](const MinDistanceMove& query, const Impact& impact) {
         for (const double unit : {0x1p-900, 0x1p-3, 0x1p900}) {
             MinDistanceMove scaled = with_positions(query, [&](Vec3d p) { return unit * p; });
@@ -122,7 +122,7 @@ TEST(MinDistance, does_not_depend_on_the_unit) {
     });
 }
 
-TEST(MinDistance, does_not_depend_on_the_origin) {
+TEST(MinDistance, impact_does_not_depend_on_the_origin) {
     for_separated(19, [](const MinDistanceMove& query, const Impact& impact) {
         const Vec3d shift{0x1p40, -1e6, 0.25};
         ASSERT_EQ(with_positions(query, [&](Vec3d p) { return p + shift; }).impact(), impact) << query;
@@ -132,7 +132,7 @@ TEST(MinDistance, does_not_depend_on_the_origin) {
     });
 }
 
-TEST(MinDistance, of_half_the_move_comes_at_twice_the_time) {
+TEST(MinDistance, half_of_the_move_doubles_the_time_of_impact) {
     for_separated(23, [](const MinDistanceMove& query, const Impact& impact) {
         MinDistanceMove half = query;
         for (MovingPoint& p : half.move.point) p.end = 0.5 * (p.start + p.end);
@@ -146,7 +146,7 @@ TEST(MinDistance, of_half_the_move_comes_at_twice_the_time) {
     });
 }
 
-TEST(MinDistance, is_reached_if_the_reversed_move_reaches_it) {
+TEST(MinDistance, reversed_move_reaches_the_same_min_distance) {
     for_separated(29, [](const MinDistanceMove& query, const Impact&) {
         MinDistanceMove forward = query, back = query;
         forward.separation.share = back.separation.share = 0;  // a share refers to the distance at the start
@@ -157,7 +157,7 @@ TEST(MinDistance, is_reached_if_the_reversed_move_reaches_it) {
     });
 }
 
-TEST(MinDistance, of_smaller_features_is_that_of_collapsed_ones) {
+TEST(MinDistance, collapsed_features_have_the_impacts_of_smaller_ones) {
     for_separated(31, [](const MinDistanceMove& query, const Impact& impact) {
         const auto& [p, q, r, s] = query.move.point;
         const MinDistance& separation = query.separation;
@@ -173,7 +173,7 @@ TEST(MinDistance, of_smaller_features_is_that_of_collapsed_ones) {
     });
 }
 
-TEST(MinDistance, of_an_edge_is_that_of_its_halves) {
+TEST(MinDistance, impact_on_an_edge_is_the_earlier_of_its_halves) {
     // The midpoint of the edge moves on a straight line, too.
     for_separated(37, [](const MinDistanceMove& query, const Impact&) {
         if (query.move.feature != Feature::vertex_edge) return;

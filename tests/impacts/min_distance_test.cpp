@@ -33,7 +33,7 @@ Impact to_face(Vec3d start, Vec3d end, const MinDistance& separation) {
     return vertex_face({start, end}, origin, right, up, separation);
 }
 
-TEST(VertexFaceSeparation, is_that_of_the_plane_above_the_inside) {
+TEST(VertexFaceMinDistance, vertex_above_the_inside_is_measured_to_the_plane) {
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(3)), at(third));
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(2)), at(two_thirds));
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(1)), at(1));
@@ -47,7 +47,7 @@ TEST(VertexFaceSeparation, is_that_of_the_plane_above_the_inside) {
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 5}, within(4 - 0x1p-51)), none);
 }
 
-TEST(VertexFaceSeparation, is_that_of_sides_and_corners_beside_the_inside) {
+TEST(VertexFaceMinDistance, vertex_beside_the_face_is_measured_to_sides_and_corners) {
     EXPECT_EQ(to_face({1, -3, 8}, {1, -3, 0}, within(5)), at(0.5));      // 3² + 4² = 5²
     EXPECT_EQ(to_face({4, 4, 4}, {4, 4, -5}, within(3)), at(third));     // 8 + 1 = 3²
     EXPECT_EQ(to_face({-1, -2, 8}, {-1, -2, -4}, within(3)), at(0.5));   // 1 + 4 + 4 = 3²
@@ -57,7 +57,7 @@ TEST(VertexFaceSeparation, is_that_of_sides_and_corners_beside_the_inside) {
     EXPECT_EQ(to_face({-1, -2, 8}, {-1, -2, -4}, within(2)), none);
 }
 
-TEST(VertexFaceSeparation, is_reached_along_a_surface_at_that_distance) {
+TEST(VertexFaceMinDistance, parallel_motion_at_exactly_the_min_distance_counts) {
     // The vertex moves so that its distance to the plane of the face, or to the line of a side, always equals the
     // minimum distance.
     EXPECT_EQ(to_face({-2, 1, 3}, {4, 1, 3}, within(3)), at(third));
@@ -69,7 +69,7 @@ TEST(VertexFaceSeparation, is_reached_along_a_surface_at_that_distance) {
     EXPECT_EQ(to_face({-4, 0, 3}, {-4, 4, 3}, within(5)), at_start);
 }
 
-TEST(VertexFaceSeparation, can_be_reached_for_an_instant_only) {
+TEST(VertexFaceMinDistance, min_distance_reached_for_an_instant_counts) {
     // For x = 2 t - 1 the plane is z = -x y, and the distance (3 + 4 x^2) / sqrt(1 + x^2) is 3 at least, at x = 0.
     const MovingPoint p = move({0, -4, 3}, {0, 4, 3});
     const MovingPoint a = move({-99, -9, -9}, {-99, -9, 9}), b = move({99, -9, -9}, {99, -9, 9});
@@ -85,7 +85,7 @@ TEST(VertexFaceSeparation, can_be_reached_for_an_instant_only) {
     EXPECT_EQ(to_face({-7, -1, 0}, {1, -7, 0}, within(5 - 0x1p-50)), none);
 }
 
-TEST(VertexFaceSeparation, is_decided_for_collapsed_faces) {
+TEST(VertexFaceMinDistance, collapsed_faces_are_measured_like_edges_or_points) {
     const auto face = [](Vec3d start, Vec3d end, const MovingPoint& b, const MovingPoint& c, double distance) {
         return vertex_face({start, end}, origin, b, c, within(distance));
     };
@@ -100,7 +100,7 @@ TEST(VertexFaceSeparation, is_decided_for_collapsed_faces) {
     EXPECT_EQ(vertex_face(far, origin, right, move({6, 2, 0}, {6, -2, 0}), within(3)), at(0.5));
 }
 
-TEST(EdgeEdgeSeparation, is_that_of_the_lines_where_they_cross) {
+TEST(EdgeEdgeMinDistance, crossing_edges_have_the_exact_time) {
     const auto fall = [](double x, double from, double to, double distance) {
         return edge_edge(origin, right, move({x, -2, from}, {x, -2, to}), move({x, 2, from}, {x, 2, to}),
                          within(distance));
@@ -116,14 +116,14 @@ TEST(EdgeEdgeSeparation, is_that_of_the_lines_where_they_cross) {
     EXPECT_EQ(edge_edge(origin, right, move({-2, -2, 3}, {4, -2, 3}), move({-2, 2, 3}, {4, 2, 3}), within(3)),
               at(third));
     EXPECT_EQ(edge_edge(origin, right, move({-2, 1, 3}, {4, 1, 3}), move({-2, 2, 3}, {4, 2, 3}), within(3)), none);
-    // The minimum distance is reached at t = 1/2 only, as in can_be_reached_for_an_instant_only.
+    // The minimum distance is reached at t = 1/2 only, as in min_distance_reached_for_an_instant_counts.
     const MovingPoint a = move({-9, -4, 3}, {-9, 4, 3}), b = move({9, -4, 3}, {9, 4, 3});
     const MovingPoint c = move({0, -9, -9}, {0, -9, 9}), d = move({0, 9, 9}, {0, 9, -9});
     EXPECT_EQ(edge_edge(a, b, c, d, within(3)), at(0.5));
     EXPECT_EQ(edge_edge(a, b, c, d, within(3 - 0x1p-51)), none);
 }
 
-TEST(EdgeEdgeSeparation, is_that_of_ends_where_edges_are_parallel_or_collapsed) {
+TEST(EdgeEdgeMinDistance, parallel_and_collapsed_edges_have_the_exact_time) {
     const auto edge = [](Vec3d c, Vec3d d, Vec3d by, double distance) {
         return edge_edge(origin, right, move(c, c + by), move(d, d + by), within(distance));
     };
@@ -140,7 +140,7 @@ TEST(EdgeEdgeSeparation, is_that_of_ends_where_edges_are_parallel_or_collapsed) 
               at(0.5));
 }
 
-TEST(VertexEdgeSeparation, is_that_of_the_line_between_the_ends) {
+TEST(VertexEdgeMinDistance, vertex_is_measured_to_the_line_or_the_nearer_end) {
     const auto edge = [](Vec3d start, Vec3d end, double distance) {
         return vertex_edge({start, end}, origin, right, within(distance));
     };
@@ -155,7 +155,7 @@ TEST(VertexEdgeSeparation, is_that_of_the_line_between_the_ends) {
     EXPECT_EQ(vertex_edge(move({0, 0, 4}, {0, 0, 1}), origin, origin, within(3)), at(third));
 }
 
-TEST(VertexVertexSeparation, is_that_of_the_points) {
+TEST(VertexVertexMinDistance, two_vertices_have_the_exact_time) {
     EXPECT_EQ(vertex_vertex(move({4, 0, 0}, {1, 0, 0}), origin, within(3)), at(third));
     EXPECT_EQ(vertex_vertex(move({-4, 3, 0}, {4, 3, 0}), origin, within(3)), at(0.5));
     EXPECT_EQ(vertex_vertex(move({-4, 3, 0}, {4, 3, 0}), origin, within(3 - 0x1p-51)), none);
@@ -165,7 +165,7 @@ TEST(VertexVertexSeparation, is_that_of_the_points) {
     EXPECT_EQ(vertex_vertex(move({1, 2, 3}, {4, 5, 6}), move({1, 2, 5}, {4, 5, 8}), within(1)), none);
 }
 
-TEST(ShareOfTheStart, refers_to_the_distance_of_each_pair) {
+TEST(MinDistanceShare, share_refers_to_the_initial_distance_of_each_pair) {
     EXPECT_EQ(vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, share(0.5)), at(0.5));
     EXPECT_EQ(vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, share(0.25)), at(0.75));
     EXPECT_EQ(vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, share(0.9)), at(1 - 0.9));
@@ -179,13 +179,13 @@ TEST(ShareOfTheStart, refers_to_the_distance_of_each_pair) {
     EXPECT_EQ(vertex_edge(move({6, 0, 7}, {4, 0, 0}), origin, right, share(0.3)), at(1 - 0.3));
 }
 
-TEST(ShareOfTheStart, is_zero_where_features_touch) {
+TEST(MinDistanceShare, touching_features_are_reported_at_the_start) {
     EXPECT_EQ(to_face({1, 1, 0}, {1, 1, 4}, share(0.5)), at_start);
     EXPECT_EQ(to_face({1, 1, 0}, {1, 1, 4}, share(0)), at_start);
     EXPECT_EQ(vertex_vertex(origin, origin, share(0.5)), at_start);
 }
 
-TEST(ShareOfTheStart, yields_to_a_larger_distance) {
+TEST(MinDistanceShare, larger_of_distance_and_share_counts) {
     const auto both = [](double distance, double share) {
         return vertex_vertex(move({8, 0, 0}, {0, 0, 0}), origin, {.distance = distance, .share = share});
     };
@@ -195,7 +195,7 @@ TEST(ShareOfTheStart, yields_to_a_larger_distance) {
     EXPECT_EQ(both(8, 0.5), at_start);
 }
 
-TEST(RationalSeparation, handles_the_whole_range_of_float64) {
+TEST(RationalMinDistance, handles_the_whole_range_of_float64) {
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(large)), at_start);
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 0}, within(least)), at(1 - 0x1p-53));
     EXPECT_EQ(vertex_vertex(move({large, 0, 0}, {-large, 0, 0}), still(-large, 0, 0), within(large)), at(0.5));

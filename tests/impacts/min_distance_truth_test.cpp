@@ -49,7 +49,7 @@ Impact decide(const Move& move, const MinDistance& separation, MinDistanceCounts
     return decide_min_distance(static_cast<FeatureKinds>(move.feature), move.point, separation, counts);
 }
 
-class SeparationTruth : public testing::TestWithParam<std::size_t> {
+class MinDistanceTruth : public testing::TestWithParam<std::size_t> {
    protected:
     static constexpr const char* distances[] = {"prox_cloth-funnel_227.txt", "prox_cloth-ball_92.txt",
                                                 "prox_n-body_18.txt"};
@@ -65,14 +65,14 @@ class SeparationTruth : public testing::TestWithParam<std::size_t> {
     std::vector<NearMove> near_;
 };
 
-TEST_P(SeparationTruth, of_zero_is_an_impact) {
+TEST_P(MinDistanceTruth, zero_min_distance_gives_exact_impacts) {
     const auto impacts = *read_impacts(step());
     const std::size_t every = impacts.size() < 1000 ? 1 : 150;
     for (std::size_t i = 0; i < impacts.size(); i += every)
         EXPECT_EQ((MinDistanceMove{impacts[i].move, {}}).impact(), impacts[i].impact) << impacts[i].move;
 }
 
-TEST_P(SeparationTruth, starts_at_the_exact_distance) {
+TEST_P(MinDistanceTruth, start_flag_changes_at_the_exact_initial_distance) {
     MinDistanceCounts within, beyond;
     std::int64_t touching = 0;
     for (std::size_t i = 0; i < near_.size(); ++i) {
@@ -89,7 +89,7 @@ TEST_P(SeparationTruth, starts_at_the_exact_distance) {
     EXPECT_EQ(within.rational, touching);
 }
 
-TEST_P(SeparationTruth, float64_impacts_match_to_the_last_bit) {
+TEST_P(MinDistanceTruth, float64_impacts_match_rational_arithmetic) {
     MinDistanceCounts counts;
     std::int64_t queries = 0, later = 0;
     for (std::size_t i = 0; i < near_.size(); ++i) {
@@ -110,7 +110,7 @@ TEST_P(SeparationTruth, float64_impacts_match_to_the_last_bit) {
     EXPECT_LE(counts.rational, queries / 500);
 }
 
-INSTANTIATE_TEST_SUITE_P(GroundTruth, SeparationTruth, testing::Range(std::size_t{0}, scene_steps.size()),
+INSTANTIATE_TEST_SUITE_P(GroundTruth, MinDistanceTruth, testing::Range(std::size_t{0}, scene_steps.size()),
                          [](const auto& info) { return name_of(scene_steps[info.param]); });
 
 }  // namespace

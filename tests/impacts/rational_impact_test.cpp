@@ -26,7 +26,7 @@ const MovingPoint origin = still(0, 0, 0), right = still(4, 0, 0), up = still(0,
 /// Returns the impact of a vertex on the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
 Impact onto_face(Vec3d start, Vec3d end) { return vertex_face({start, end}, origin, right, up); }
 
-TEST(VertexFace, meets_inside) {
+TEST(VertexFaceImpact, vertex_meets_the_inside_at_the_exact_time) {
     EXPECT_EQ(onto_face({1, 1, 1}, {1, 1, -2}), at(third));
     EXPECT_EQ(onto_face({1, 1, 2}, {1, 1, -1}), at(two_thirds));
     EXPECT_EQ(onto_face({1, 1, 1}, {1, 1, -1}), at(0.5));
@@ -36,7 +36,7 @@ TEST(VertexFace, meets_inside) {
     EXPECT_EQ(onto_face({1, 1, 1}, {1, 1, std::numeric_limits<double>::denorm_min()}), none);
 }
 
-TEST(VertexFace, meets_on_the_border) {
+TEST(VertexFaceImpact, border_belongs_to_the_face) {
     EXPECT_EQ(onto_face({2, 2, 1}, {2, 2, -1}), at(0.5));
     EXPECT_EQ(onto_face({0, 0, 1}, {0, 0, -2}), at(third));
     EXPECT_EQ(onto_face({2, 2 + 0x1p-51, 1}, {2, 2 + 0x1p-51, -1}), none);
@@ -45,7 +45,7 @@ TEST(VertexFace, meets_on_the_border) {
     EXPECT_EQ(onto_face({-1, -1, 1}, {1, 1, -1}), at(0.5));  // through a corner
 }
 
-TEST(VertexFace, meets_at_the_second_root_if_the_first_is_outside) {
+TEST(VertexFaceImpact, second_root_counts_if_the_first_is_outside_the_face) {
     // The face turns about the x axis: at y = 4 - 4 t, where the vertex is, its plane is at the height 16 t (1 - t).
     const MovingPoint a = still(-9, 0, 0), b = still(9, 0, 0);
     const MovingPoint rising = move({0, 4, 0}, {0, 4, 16});
@@ -53,7 +53,7 @@ TEST(VertexFace, meets_at_the_second_root_if_the_first_is_outside) {
     EXPECT_EQ(vertex_face(move({8, 4, 3}, {0, 0, 3}), a, b, rising), at(0.75));
 }
 
-TEST(VertexFace, meets_at_a_double_root) {
+TEST(VertexFaceImpact, contact_at_a_double_root_counts) {
     // The face of the previous test, whose plane reaches the height 4 at t = 1/2 only.
     const MovingPoint a = still(-9, 0, 0), b = still(9, 0, 0), rising = move({0, 4, 0}, {0, 4, 16});
     EXPECT_EQ(vertex_face(move({0, 4, 4}, {0, 0, 4}), a, b, rising), at(0.5));
@@ -64,7 +64,7 @@ TEST(VertexFace, meets_at_a_double_root) {
     EXPECT_EQ(vertex_face(move({0, 4, 2}, {0, -2, 2}), a, b, steep), at(third));
 }
 
-TEST(VertexFace, meets_at_a_triple_root) {
+TEST(VertexFaceImpact, contact_at_a_triple_root_counts) {
     // Four points move towards the origin and pass through it at 1/3: their determinant (volume) is a cube in t.
     const auto through = [](double x, double y, double z) { return move({x, y, z}, {-2 * x, -2 * y, -2 * z}); };
     EXPECT_EQ(vertex_face(through(0, 0, 1), through(1, 0, 0), through(0, 1, 0), through(-1, -1, 0)), at(third));
@@ -75,7 +75,7 @@ TEST(VertexFace, meets_at_a_triple_root) {
     EXPECT_EQ(vertex_face(move({0, 0, 1}, {0, 0, -2}), a, b, c), at(third));
 }
 
-TEST(VertexFace, meets_a_face_that_collapses_at_contact) {
+TEST(VertexFaceImpact, vertex_meets_a_face_that_collapses_at_contact) {
     // The face shrinks to the segment from 0 to 4 on the x axis, at 1/2, and grows again on the other side.
     const MovingPoint c = move({1, 2, 0}, {1, -2, 0});
     EXPECT_EQ(vertex_face(move({2, 0, 1}, {2, 0, -1}), origin, right, c), at(0.5));
@@ -85,7 +85,7 @@ TEST(VertexFace, meets_a_face_that_collapses_at_contact) {
     EXPECT_EQ(vertex_face(move({5, 0, 1}, {5, 0, -1}), origin, right, move({6, 2, 0}, {6, -2, 0})), at(0.5));
 }
 
-TEST(VertexFace, meets_in_one_plane) {
+TEST(VertexFaceImpact, vertex_moving_in_the_plane_of_the_face_can_meet_it) {
     // All in z = 0 at all times: the vertex enters through a side, a corner, or was inside.
     EXPECT_EQ(onto_face({-1, 1, 0}, {2, 1, 0}), at(third));
     EXPECT_EQ(onto_face({3, 3, 0}, {1, 1, 0}), at(0.5));
@@ -107,7 +107,7 @@ TEST(VertexFace, meets_in_one_plane) {
     EXPECT_EQ(vertex_face(move({5, -1, 5}, {5, 2, -5}), origin, lower, upper), none);
 }
 
-TEST(VertexFace, meets_collapsed_faces) {
+TEST(VertexFaceImpact, collapsed_faces_act_like_edges_or_points) {
     // A segment.
     EXPECT_EQ(vertex_face(move({1, 0, 1}, {1, 0, -2}), origin, right, right), at(third));
     EXPECT_EQ(vertex_face(move({1, 0, 1}, {1, 0, -2}), origin, still(2, 0, 0), right), at(third));
@@ -120,15 +120,15 @@ TEST(VertexFace, meets_collapsed_faces) {
     EXPECT_EQ(vertex_face(origin, origin, origin, origin), at_start);
 }
 
-TEST(VertexFace, meets_without_any_motion) {
+TEST(VertexFaceImpact, static_features_meet_only_if_they_touch) {
     EXPECT_EQ(onto_face({1, 1, 0}, {1, 1, 0}), at_start);
     EXPECT_EQ(onto_face({2, 2, 0}, {2, 2, 0}), at_start);
     EXPECT_EQ(onto_face({3, 2, 0}, {3, 2, 0}), none);
     EXPECT_EQ(onto_face({1, 1, 1}, {1, 1, 1}), none);
 }
 
-TEST(VertexFace, meets_at_irrational_times) {
-    // The face of meets_at_a_double_root: its height 16 t (1 - t) is 2 at t = (1 - sqrt(1/2)) / 2.
+TEST(VertexFaceImpact, irrational_time_is_rounded_down) {
+    // The face of contact_at_a_double_root_counts: its height 16 t (1 - t) is 2 at t = (1 - sqrt(1/2)) / 2.
     const MovingPoint a = still(-9, 0, 0), b = still(9, 0, 0), rising = move({0, 4, 0}, {0, 4, 16});
     const Impact found = vertex_face(move({0, 4, 2}, {0, 0, 2}), a, b, rising);
     EXPECT_TRUE(found.meets);
@@ -138,7 +138,7 @@ TEST(VertexFace, meets_at_irrational_times) {
     EXPECT_EQ(found.toi, 0x1.2bec333018866p-3);
 }
 
-TEST(EdgeEdge, meets_inside) {
+TEST(EdgeEdgeImpact, crossing_edges_meet_at_the_exact_time) {
     const MovingPoint left = still(-1, 0, 0), east = still(1, 0, 0);
     EXPECT_EQ(edge_edge(left, east, move({0, -1, 1}, {0, -1, -2}), move({0, 1, 1}, {0, 1, -2})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({1, -1, 1}, {1, -1, -1}), move({1, 1, 1}, {1, 1, -1})), at(0.5));
@@ -148,7 +148,7 @@ TEST(EdgeEdge, meets_inside) {
     EXPECT_EQ(edge_edge(left, east, move({0, 0, 1}, {0, 0, -1}), move({0, 1, 1}, {0, 1, -1})), at(0.5));
 }
 
-TEST(EdgeEdge, meets_parallel_edges) {
+TEST(EdgeEdgeImpact, parallel_edges_meet_where_they_overlap) {
     const MovingPoint left = still(-1, 0, 0), east = still(1, 0, 0);
     // They stay parallel, so the determinant of the four points is 0 at all times.
     EXPECT_EQ(edge_edge(left, east, move({0, 0, 1}, {0, 0, -2}), move({5, 0, 1}, {5, 0, -2})), at(third));
@@ -170,7 +170,7 @@ TEST(EdgeEdge, meets_parallel_edges) {
     EXPECT_EQ(through(3, 2), none);
 }
 
-TEST(EdgeEdge, meets_in_one_plane) {
+TEST(EdgeEdgeImpact, edges_moving_in_one_plane_can_meet) {
     const MovingPoint left = still(-1, 0, 0), east = still(1, 0, 0);
     EXPECT_EQ(edge_edge(left, east, move({0, 1, 0}, {0, -2, 0}), move({3, 2, 0}, {3, -1, 0})), at(third));
     EXPECT_EQ(edge_edge(left, east, move({0, 1, 0}, {0, 2, 0}), move({4, -2, 0}, {4, 2, 0})), none);
@@ -181,7 +181,7 @@ TEST(EdgeEdge, meets_in_one_plane) {
     EXPECT_EQ(edge_edge(left, east, move({3, 0, 0}, {2, 0, 0}), move({4, 0, 0}, {3, 0, 0})), none);
 }
 
-TEST(EdgeEdge, meets_collapsed_edges) {
+TEST(EdgeEdgeImpact, collapsed_edges_act_like_points) {
     const MovingPoint left = still(-1, 0, 0), east = still(1, 0, 0);
     const MovingPoint falling = move({0, 0, 1}, {0, 0, -2}), beside = move({2, 0, 1}, {2, 0, -2});
     EXPECT_EQ(edge_edge(left, east, falling, falling), at(third));
@@ -193,7 +193,7 @@ TEST(EdgeEdge, meets_collapsed_edges) {
     EXPECT_EQ(edge_edge(left, east, move({1, 1, 1}, {3, -1, -1}), move({3, -1, 1}, {1, 1, -1})), none);
 }
 
-TEST(EdgeEdge, interpenetration_is_no_impact) {
+TEST(EdgeEdgeImpact, interpenetration_is_no_impact) {
     // An edge that stays in the middle of a face touches none of its vertices and edges.
     const MovingPoint below = still(1, 1, -1), above = still(1, 1, 1);
     EXPECT_EQ(edge_edge(below, above, origin, right), none);
@@ -201,7 +201,7 @@ TEST(EdgeEdge, interpenetration_is_no_impact) {
     EXPECT_EQ(vertex_face(below, origin, right, up), none);
 }
 
-TEST(VertexEdge, meets_inside_and_at_ends) {
+TEST(VertexEdgeImpact, vertex_meets_the_inside_and_the_ends) {
     EXPECT_EQ(vertex_edge(move({1, 1, 1}, {1, -2, -2}), origin, right), at(third));
     EXPECT_EQ(vertex_edge(move({0, 1, 1}, {0, -2, -2}), origin, right), at(third));
     EXPECT_EQ(vertex_edge(move({5, 1, 1}, {5, -2, -2}), origin, right), none);
@@ -220,7 +220,7 @@ TEST(VertexEdge, meets_inside_and_at_ends) {
     EXPECT_EQ(vertex_edge(move({0, 0, 1}, {0, 0, -2}), origin, origin), at(third));
 }
 
-TEST(VertexVertex, meets_where_all_coordinates_do) {
+TEST(VertexVertexImpact, vertices_meet_when_all_coordinates_are_equal) {
     EXPECT_EQ(vertex_vertex(move({1, 2, 3}, {-2, -4, -6}), origin), at(third));
     EXPECT_EQ(vertex_vertex(move({1, 2, 3}, {-2, -4, -5}), origin), none);
     EXPECT_EQ(vertex_vertex(move({1, 0, 0}, {-1, 0, 0}), move({-1, 0, 0}, {1, 0, 0})), at(0.5));

@@ -31,7 +31,7 @@ TEST(Polynomial, drops_leading_zeros) {
     EXPECT_EQ((polynomial({1, 2, 3}) + polynomial({1, 2, -3})).coefficients(), (std::vector<Integer>{2, 4}));
 }
 
-TEST(Polynomial, multiplies_differentiates_and_zooms) {
+TEST(Polynomial, operations_give_exact_coefficients) {
     const Polynomial p = zero_at(1, 3) * zero_at(2, 5) * polynomial({-7});
     EXPECT_EQ(p.coefficients(), (std::vector<Integer>{-14, 77, -105}));
     EXPECT_EQ(p.derivative().coefficients(), (std::vector<Integer>{77, -210}));
@@ -52,14 +52,14 @@ TEST(GreatestCommonDivisor, contains_the_common_factors) {
     EXPECT_EQ(square_free(a * a * b * d * d * d).degree(), 4);
 }
 
-TEST(Roots, are_found_in_order_and_once) {
+TEST(Roots, roots_are_found_once_and_in_order) {
     const Polynomial p = zero_at(1, 3) * zero_at(1, 2) * zero_at(1, 1) * zero_at(0, 1);
     EXPECT_EQ(rounded_roots(p), (std::vector<double>{0, 1.0 / 3, 0.5, 1}));
     EXPECT_EQ(rounded_roots(p * p * zero_at(1, 2)), (std::vector<double>{0, 1.0 / 3, 0.5, 1}));
     EXPECT_EQ(rounded_roots(p * zero_at(-1, 3) * zero_at(4, 3) * polynomial({1, 0, 1})), rounded_roots(p));
 }
 
-TEST(Roots, outside_the_interval_are_not_found) {
+TEST(Roots, roots_outside_the_interval_are_not_found) {
     EXPECT_TRUE(rounded_roots(polynomial({5})).empty());
     EXPECT_TRUE(rounded_roots(zero_at(-1, power(200))).empty());
     EXPECT_TRUE(rounded_roots(zero_at(power(200) + 1, power(200))).empty());
@@ -68,7 +68,7 @@ TEST(Roots, outside_the_interval_are_not_found) {
     EXPECT_EQ(rounded_roots(zero_at(1, 2) * zero_at(1, 2) * polynomial({power(100)}) - polynomial({1})).size(), 2U);
 }
 
-TEST(Roots, close_together_are_separated) {
+TEST(Roots, roots_close_together_are_separated) {
     const Integer q = power(300);
     const Polynomial p = zero_at(q / 3, q) * zero_at(q / 3 + 1, q) * zero_at(q / 3 + 2, q) * zero_at(1, 3);
     std::vector<Root> roots = roots_in_unit_interval(p);
@@ -81,7 +81,7 @@ TEST(Roots, close_together_are_separated) {
     }
 }
 
-TEST(Roots, give_the_sign_of_other_polynomials) {
+TEST(Roots, sign_of_another_polynomial_at_a_root_is_exact) {
     const Polynomial half = polynomial({-1, 0, 2});  // at the square root of 1/2
     Root root = roots_in_unit_interval(half).at(0);
     EXPECT_EQ(root.sign(half), 0);
@@ -96,14 +96,14 @@ TEST(Roots, give_the_sign_of_other_polynomials) {
     EXPECT_EQ(Root(Dyadic{1, 1}).sign(zero_at(1, 2)), 0);
 }
 
-TEST(Roots, are_zero_only_if_exactly_zero) {
+TEST(Roots, root_is_zero_only_if_exactly_zero) {
     EXPECT_TRUE(roots_in_unit_interval(zero_at(0, 1)).at(0).is_zero());
     Root tiny = roots_in_unit_interval(zero_at(1, power(1'080))).at(0);
     EXPECT_EQ(tiny.rounded_down(), 0);
     EXPECT_FALSE(tiny.is_zero());
 }
 
-TEST(Roots, are_rounded_down) {
+TEST(Roots, roots_are_rounded_down) {
     // Ties and what is just above or below a float64 number.
     EXPECT_EQ(rounded_roots(zero_at(power(200) - 1, power(200))), (std::vector<double>{1 - 0x1p-53}));
     EXPECT_EQ(rounded_roots(zero_at(power(199) + 1, power(200))), (std::vector<double>{0.5}));
@@ -118,7 +118,7 @@ TEST(Roots, are_rounded_down) {
 }
 
 // Compares with k / q as the processor divides, corrected where that was rounded up.
-TEST(Roots, of_lines_are_quotients_rounded_down) {
+TEST(Roots, roots_of_lines_are_quotients_rounded_down) {
     std::mt19937_64 engine(29);
     for (int i = 0; i < 2'000; ++i) {
         const auto q = static_cast<std::int64_t>(engine() >> (12 + i % 50)) + 2;

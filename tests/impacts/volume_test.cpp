@@ -102,8 +102,8 @@ void check_volume() {
     }
 }
 
-TEST(Volume, IsWithinItsBoundForVertexAndFace) { check_volume<FeaturePair::vertex_face>(); }
-TEST(Volume, IsWithinItsBoundForEdges) { check_volume<FeaturePair::edge_edge>(); }
+TEST(Volume, errors_for_vertex_and_face_are_within_their_bounds) { check_volume<FeaturePair::vertex_face>(); }
+TEST(Volume, errors_for_two_edges_are_within_their_bounds) { check_volume<FeaturePair::edge_edge>(); }
 
 }  // namespace
 }  // namespace crumple

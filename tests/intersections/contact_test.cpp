@@ -38,7 +38,7 @@ class ContactOfEachKind : public testing::TestWithParam<Kind> {
     int rounds() const { return rounds_of(GetParam(), 25'000); }
 };
 
-TEST_P(ContactOfEachKind, has_the_bytes_of_rational_arithmetic) {
+TEST_P(ContactOfEachKind, matches_rational_arithmetic_byte_by_byte) {
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
         const CallersMode caller(i);

@@ -43,13 +43,13 @@ void expect_rational_decision(const TrianglePair& pair, int turn) {
     }
 }
 
-class DecideOfEachKind : public testing::TestWithParam<Kind> {
+class DecisionOfEachKind : public testing::TestWithParam<Kind> {
    protected:
     RandomPairs random{GetParam(), 29};
     int rounds() const { return rounds_of(GetParam(), 15'000); }
 };
 
-TEST_P(DecideOfEachKind, agrees_with_rational_arithmetic) {
+TEST_P(DecisionOfEachKind, agrees_with_rational_arithmetic) {
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
         const CallersMode caller(i);
@@ -61,7 +61,7 @@ TEST_P(DecideOfEachKind, agrees_with_rational_arithmetic) {
 /// True for kinds with numbers that expansions cannot hold.
 bool is_far(Kind kind) { return kind == Kind::huge || kind == Kind::tiny || kind == Kind::mixed; }
 
-TEST_P(DecideOfEachKind, needs_no_rationals_within_the_range_of_expansions) {
+TEST_P(DecisionOfEachKind, needs_no_rationals_within_the_range_of_expansions) {
     if (is_far(GetParam())) GTEST_SKIP();
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
@@ -72,7 +72,7 @@ TEST_P(DecideOfEachKind, needs_no_rationals_within_the_range_of_expansions) {
     }
 }
 
-TEST_P(DecideOfEachKind, filters_alone_are_right_or_undecided) {
+TEST_P(DecisionOfEachKind, filters_alone_are_right_or_undecided) {
     int undecided = 0;
     for (int i = 0; i < rounds(); ++i) {
         const TrianglePair pair = random();
@@ -93,9 +93,9 @@ TEST_P(DecideOfEachKind, filters_alone_are_right_or_undecided) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DecideOfEachKind, testing::ValuesIn(all_kinds));
+INSTANTIATE_TEST_SUITE_P(All, DecisionOfEachKind, testing::ValuesIn(all_kinds));
 
-TEST(Decide, matches_the_contract_for_named_pairs) {
+TEST(Decision, matches_the_contract_for_named_pairs) {
     for (const NamedPair& named : named_pairs()) {
         SCOPED_TRACE(named.claim);
         DecisionCounts counts;
@@ -107,7 +107,7 @@ TEST(Decide, matches_the_contract_for_named_pairs) {
 }
 
 // Tries every pattern of vertex ids: each corner of b is a corner of a or its own, and a may repeat a corner.
-TEST(Decide, handles_every_pattern_of_shared_vertices) {
+TEST(Decision, handles_every_pattern_of_shared_vertices) {
     for (const Kind kind : {Kind::lattice, Kind::flat, Kind::random_float}) {
         RandomPairs random(kind, 31);
         for (int round = 0; round < 20; ++round) {
@@ -150,7 +150,7 @@ std::vector<Triangle> flat_cloth(double slope_x, double slope_y) {
     return cloth;
 }
 
-TEST(Decide, flat_adjacent_triangles_need_no_exact_arithmetic) {
+TEST(Decision, flat_adjacent_triangles_need_no_exact_arithmetic) {
     for (const auto& cloth : {flat_cloth(0, 0), flat_cloth(0.37, 0.21), flat_cloth(1, 2)}) {
         for (std::size_t i = 0; i < cloth.size(); ++i) {
             for (std::size_t j = i + 1; j < cloth.size(); ++j) {
@@ -162,7 +162,7 @@ TEST(Decide, flat_adjacent_triangles_need_no_exact_arithmetic) {
     }
 }
 
-TEST(Decide, counts_exact_and_rational_decisions) {
+TEST(Decision, counts_exact_and_rational_decisions) {
     const auto counts_of = [](const TrianglePair& pair) {
         DecisionCounts counts;
         collide(pair.a, pair.b, Neighbours::geometric, IntersectionKind::all, counts);
@@ -180,7 +180,7 @@ TEST(Decide, counts_exact_and_rational_decisions) {
 }
 
 #if defined(__SSE2__)
-TEST(Decide, guard_makes_it_right_in_any_floating_point_mode) {
+TEST(Decision, is_right_in_any_floating_point_mode_of_the_caller) {
     const unsigned saved = _mm_getcsr();
     RandomPairs random(Kind::tiny, 37);
     for (int i = 0; i < 400; ++i) {

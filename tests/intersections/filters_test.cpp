@@ -129,7 +129,7 @@ TEST(FiltersInGeneralPosition, decide_nearly_all_pairs) {
 
 // A corner a few units in the last place above, on or below the other triangle's plane: the sign is certain only beyond
 // the error bound.
-TEST(FiltersAtTheirEdge, claim_no_side_of_a_plane_within_their_bound) {
+TEST(FiltersAtTheirEdge, sides_of_planes_are_undecided_within_the_error_bound) {
     for (int ulps = -64; ulps <= 64; ++ulps) {
         const double height = ulps * 0x1p-24;
         const Triangle floor{{Vec3d{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}, {0, 1, 2}};
@@ -168,7 +168,7 @@ TEST(FiltersAtTheirEdge, turn_signs_are_right_next_to_lines) {
     }
 }
 
-TEST(FiltersAtTheirEdge, float64_planes_are_right) {
+TEST(FiltersAtTheirEdge, float64_sides_of_planes_are_right) {
     RandomPairs random(Kind::flat, 71);
     int certain = 0;
     constexpr int rounds = 20'000;

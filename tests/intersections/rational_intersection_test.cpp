@@ -89,7 +89,7 @@ TEST(RationalIntersection, points_lie_in_both_triangles) {
     }
 }
 
-TEST(RoundQuotient, rounds_like_division_in_hardware) {
+TEST(RoundedQuotient, rounds_like_division_in_hardware) {
     std::mt19937_64 engine(23);
     const auto bits = [&](int count) { return static_cast<std::int64_t>(engine() >> (64 - count)) | 1; };
     for (int i = 0; i < 100'000; ++i) {
@@ -106,7 +106,7 @@ TEST(RoundQuotient, rounds_like_division_in_hardware) {
     }
 }
 
-TEST(RoundQuotient, ties_go_to_even) {
+TEST(RoundedQuotient, ties_go_to_even) {
     const Integer one = 1;
     const Integer large = one << 53;
     EXPECT_EQ(round_quotient(large + 1, 1, 0), 0x1p53);
@@ -119,12 +119,12 @@ TEST(RoundQuotient, ties_go_to_even) {
     EXPECT_EQ(round_quotient((large - 1) * 4 + 1, 4, 971), std::numeric_limits<double>::max());
 }
 
-TEST(RoundQuotient, zero_is_positive) {
+TEST(RoundedQuotient, zero_is_positive) {
     EXPECT_FALSE(std::signbit(round_quotient(0, 7, 0)));
     EXPECT_FALSE(std::signbit(round_quotient(-1, 7, -1'074)));
 }
 
-TEST(RoundCrossing, is_where_a_line_meets_a_plane) {
+TEST(LinePlaneCrossing, crossing_is_where_the_line_meets_the_plane) {
     const std::array<Vec3d, 3> plane{Vec3d{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
     EXPECT_EQ(round_crossing({1, 2, 0}, {1, 2, 3}, plane), (Vec3d{1, 2, 1}));
     EXPECT_EQ(round_crossing({0, 0, 0}, {3, 3, 3}, plane), (Vec3d{1, 1, 1}));

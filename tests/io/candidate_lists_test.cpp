@@ -138,24 +138,24 @@ void expect_refused(const std::string& name, const std::string& bytes, const std
 }
 
 TEST(CandidateLists, malformed_lists_are_refused) {
-    expect_refused("a.txt", "vf 1 2\nff 1\n", "line 2: `ff` is followed by 2 ids");
-    expect_refused("a.txt", "vf 1 2 0.5\n", "line 1: '0.5' is left over");
-    expect_refused("a.txt", "fv 1 2\n", "'fv' is none of vf, ee, ef, ff, ve and vv");
+    expect_refused("a.txt", "vf 1 2\nff 1\n", "line 2: `ff` must be followed by 2 ids");
+    expect_refused("a.txt", "vf 1 2 0.5\n", "line 1: unexpected '0.5' after the last value");
+    expect_refused("a.txt", "fv 1 2\n", "'fv' is not vf, ee, ef, ff, ve or vv");
     expect_refused("a.txt", "ef 1 2 x\n", "'x' names no face");
     expect_refused("a.txt", "ff 1 -2\n", "'-2' names no face");
     expect_refused("a.txt", "ef 1 x 2\n", "'x' names no vertex");
     expect_refused("a.txt", "ef 1 1 2\n", "an edge names a vertex twice");
     expect_refused("a.txt", "ef 0:1 1:2 0:3\n", "an edge has vertices of two files");
     expect_refused("a.txt", "vv 1 2\nvv 0:1 1:2\n", "some ids have the number of a file and some do not");
-    expect_refused("a.csv", "ff,,1,2,,\n", "6 columns in place of 7");
+    expect_refused("a.csv", "ff,,1,2,,\n", "6 columns instead of 7");
     expect_refused("a.csv", "ff,,1,,,,\n", "'' names no face");
-    expect_refused("a.csv", "ff,7,1,2,,,\n", "'7' is in a column of another kind");
-    expect_refused("a.csv", "vf,7,1,,,,2\n", "'2' is in a column of another kind");
-    expect_refused("a.json", "{}", "there is none of the arrays");
+    expect_refused("a.csv", "ff,7,1,2,,,\n", "'7' is in a column that this kind does not use");
+    expect_refused("a.csv", "vf,7,1,,,,2\n", "'2' is in a column that this kind does not use");
+    expect_refused("a.json", "{}", "it has none of the arrays");
     expect_refused("a.json", R"({"edge_faces":[[0,1]]})", "there is no array \"edges\"");
     expect_refused("a.json", R"({"edges":[[0,1]],"edge_faces":[[1,1]]})",
                    "row 0 of \"edge_faces\": there is no such edge");
-    expect_refused("a.json", R"({"face_faces":[[0,1.5]]})", "row 0 of \"face_faces\": this is no face");
+    expect_refused("a.json", R"({"face_faces":[[0,1.5]]})", "row 0 of \"face_faces\": this is not a valid face");
     expect_refused("a.json", R"({"face_faces":[[0,1]],"face_face_bodies":[]})", "is not as long as");
     expect_refused("a.npz", "PK", "not a .npz archive");
     EXPECT_EQ(error_of([] { read_candidates("/nowhere/a.txt"); }).code, ErrorCode::file);
@@ -168,9 +168,9 @@ TEST(CandidateLists, unrelated_arrays_are_ignored) {
     const std::string impacts = R"("vertex_faces":[],"vertex_face_toi":[],"edge_edges":[],"edge_edge_toi":[]})";
     EXPECT_TRUE(read_impacts(folder.write("a.json", R"({"edge_faces":"none",)" + impacts)).rows.empty());
     EXPECT_TRUE(contains(error_of([&] { read_impacts(folder.write("a.txt", "ef 1 2 3 0.5\n")); }).what(),
-                         "is none of vf, ee, ff, ve and vv"));
+                         "is not vf, ee, ff, ve or vv"));
     EXPECT_TRUE(contains(error_of([&] { read_near(folder.write("a.txt", "ff 1 2 0.5\n")); }).what(),
-                         "is none of vf, ee, ve and vv"));
+                         "is not vf, ee, ve or vv"));
 }
 
 }  // namespace

@@ -189,10 +189,10 @@ TEST(ColouredOverlaps, unsuitable_worlds_formats_and_results_are_refused) {
     EXPECT_TRUE(contains(refused("a.glb"), "the overlaps are not those of this world"));
     bodies.overlaps = {};
     bodies.overlaps.any = true;
-    EXPECT_TRUE(contains(refused("a.glb"), "without rows"));
+    EXPECT_TRUE(contains(refused("a.glb"), "have no rows"));
 }
 
-TEST(CutTriangle, pieces_cover_the_triangle_and_do_not_cross_segments) {
+TEST(TrianglePieces, pieces_cover_the_triangle_and_do_not_cross_segments) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> share(0, 1);
     for (int round = 0; round < 200; ++round) {
@@ -227,7 +227,7 @@ TEST(CutTriangle, pieces_cover_the_triangle_and_do_not_cross_segments) {
     }
 }
 
-TEST(PictureWindings, count_how_often_a_surface_encloses_a_point) {
+TEST(PictureWindings, winding_counts_how_often_a_surface_encloses_a_point) {
     std::vector<Vec3d> points;
     std::vector<std::int32_t> corners;
     const auto add = [&](double low, double high, bool inside_out) {

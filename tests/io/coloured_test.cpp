@@ -28,7 +28,7 @@ std::vector<std::int32_t> face_channel(const fs::path& path, const char* channel
     return read_mesh(path, {.group_property = channel}).groups;
 }
 
-TEST(Coloured, ply_colours_faces_and_vertices) {
+TEST(ColouredMesh, ply_colours_faces_and_vertices) {
     const Folder folder;
     write_coloured(folder / "a.ply", sample_mesh(), nullptr, one_hit());
     expect_same(read_mesh(folder / "a.ply"), sample_mesh());
@@ -43,7 +43,7 @@ TEST(Coloured, ply_colours_faces_and_vertices) {
     }
 }
 
-TEST(Coloured, second_mesh_follows_the_first) {
+TEST(ColouredMesh, second_mesh_follows_the_first) {
     const Folder folder;
     TriangleMesh second = sample_mesh();
     second.vertices = std::vector<float>(15, 0.25f);
@@ -57,7 +57,7 @@ TEST(Coloured, second_mesh_follows_the_first) {
     EXPECT_EQ(face_channel(folder / "a.ply", "blue"), (std::vector<std::int32_t>{178, 0, 178, 178, 178, 0}));
 }
 
-TEST(Coloured, obj_keeps_the_order_of_triangles_and_names_materials) {
+TEST(ColouredMesh, obj_keeps_the_order_of_triangles_and_names_materials) {
     const Folder folder;
     write_coloured(folder / "a.obj", sample_mesh(), nullptr, one_hit());
     expect_same(read_mesh(folder / "a.obj"), sample_mesh());
@@ -83,7 +83,7 @@ Intersections hits_of_polygons() {
     return collisions;
 }
 
-TEST(ByPolygon, counts_each_pair_of_polygons_once) {
+TEST(ResultsByPolygon, each_pair_of_polygons_is_counted_once) {
     const Intersections found = by_polygon(mesh_with_polygons(), nullptr, hits_of_polygons());
     EXPECT_EQ(std::vector<Pair>(found.pairs.begin(), found.pairs.end()), (std::vector<Pair>{{0, 1}, {1, 1}}));
     EXPECT_EQ(std::vector<std::int64_t>(found.offsets.begin(), found.offsets.end()),
@@ -101,7 +101,7 @@ TEST(ByPolygon, counts_each_pair_of_polygons_once) {
     EXPECT_EQ(error_of([&] { by_polygon(first, nullptr, Intersections()); }).code, ErrorCode::invalid_argument);
 }
 
-TEST(ByPolygon, polygons_are_preserved_and_have_one_colour) {
+TEST(ResultsByPolygon, polygons_are_preserved_and_have_one_colour) {
     const Folder folder;
     const TriangleMesh mesh = mesh_with_polygons(), second = sample_mesh();
     Intersections found = by_polygon(mesh, nullptr, hits_of_polygons());
@@ -121,7 +121,7 @@ TEST(ByPolygon, polygons_are_preserved_and_have_one_colour) {
     EXPECT_EQ(face_channel(folder / "b.ply", "red"), (std::vector<std::int32_t>{178, 213, 213, 178, 178, 213}));
 }
 
-TEST(ByPolygon, face_can_have_hundreds_of_corners) {
+TEST(ResultsByPolygon, face_can_have_hundreds_of_corners) {
     const Folder folder;
     std::string text, face = "f";
     for (int i = 0; i < 300; ++i) {
@@ -135,7 +135,7 @@ TEST(ByPolygon, face_can_have_hundreds_of_corners) {
     EXPECT_EQ(read_mesh(folder / "a.ply").polygons.corners, mesh.polygons.corners);
 }
 
-TEST(ByPolygon, inconsistent_polygons_are_refused) {
+TEST(ResultsByPolygon, inconsistent_polygons_are_refused) {
     const Folder folder;
     const auto refused = [&](auto change) {
         TriangleMesh mesh = mesh_with_polygons();
@@ -152,7 +152,7 @@ TEST(ByPolygon, inconsistent_polygons_are_refused) {
     refused([](Polygons& p) { p.corners.push_back(0); });
 }
 
-TEST(Coloured, foreign_materials_are_not_overwritten) {
+TEST(ColouredMesh, foreign_materials_are_not_overwritten) {
     const Folder folder;
     folder.write("a.mtl", "newmtl mine\n");
     const auto write = [&] { write_coloured(folder / "a.obj", sample_mesh(), nullptr, one_hit()); };
@@ -164,7 +164,7 @@ TEST(Coloured, foreign_materials_are_not_overwritten) {
     write();  // files that it has written before are replaced
 }
 
-TEST(Coloured, html_holds_corners_colours_and_contacts) {
+TEST(ColouredMesh, html_holds_corners_colours_and_contacts) {
     const Folder folder;
     Intersections found = one_hit();
     found.pairs.push_back({1, 2});
@@ -213,7 +213,7 @@ std::vector<T> values(const tinygltf::Model& model, int index) {
     return result;
 }
 
-TEST(Coloured, glb_has_one_primitive_and_material_per_colour) {
+TEST(ColouredMesh, glb_has_one_primitive_and_material_per_colour) {
     const Folder folder;
     write_coloured(folder / "a.glb", sample_mesh(), nullptr, one_hit());
     const tinygltf::Model model = load_glb(folder / "a.glb");
@@ -232,7 +232,7 @@ TEST(Coloured, glb_has_one_primitive_and_material_per_colour) {
     EXPECT_TRUE(model.nodes[0].translation.empty());
 }
 
-TEST(Coloured, glb_stores_distant_float64_meshes_relative_to_an_origin) {
+TEST(ColouredMesh, glb_stores_distant_float64_meshes_relative_to_an_origin) {
     const Folder folder;
     TriangleMesh mesh = sample_mesh();
     for (double& x : std::get<std::vector<double>>(mesh.vertices)) x += 5e6;
@@ -246,7 +246,7 @@ TEST(Coloured, glb_stores_distant_float64_meshes_relative_to_an_origin) {
     }
 }
 
-TEST(Coloured, glb_holds_no_empty_primitives) {
+TEST(ColouredMesh, glb_holds_no_empty_primitives) {
     const Folder folder;
     write_coloured(folder / "empty.glb", {}, nullptr, {});
     EXPECT_TRUE(load_glb(folder / "empty.glb").meshes.empty());
@@ -256,7 +256,7 @@ TEST(Coloured, glb_holds_no_empty_primitives) {
     EXPECT_EQ(load_glb(folder / "free.glb").meshes[0].primitives.size(), 1u);
 }
 
-TEST(ColouredAnimation, shows_one_frame_at_a_time) {
+TEST(ColouredAnimation, animation_shows_one_frame_at_a_time) {
     const Folder folder;
     TriangleMesh longer = sample_mesh();
     longer.triangles.insert(longer.triangles.end(), {0, 1, 2});
@@ -299,14 +299,14 @@ TEST(ColouredAnimation, shows_one_frame_at_a_time) {
     }
 }
 
-TEST(ColouredAnimation, refuses_wrong_formats_results_and_rates) {
+TEST(ColouredAnimation, wrong_formats_results_and_rates_are_refused) {
     const Folder folder;
     EXPECT_EQ(error_of([&] { ColouredAnimation().write(folder / "a.ply"); }).code, ErrorCode::invalid_argument);
     EXPECT_EQ(error_of([&] { ColouredAnimation().add(sample_mesh(), nullptr, {}); }).code, ErrorCode::invalid_argument);
     EXPECT_EQ(error_of([&] { ColouredAnimation animation(0); }).code, ErrorCode::invalid_argument);
 }
 
-TEST(Coloured, collisions_of_another_mesh_are_refused) {
+TEST(ColouredMesh, collisions_of_another_mesh_are_refused) {
     const Folder folder;
     const TriangleMesh mesh = sample_mesh();
     for (const char* const name : {"a.ply", "a.obj", "a.glb"}) {

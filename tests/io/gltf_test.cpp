@@ -140,7 +140,7 @@ TEST(Gltf, primitives_of_a_mesh_are_one_shape) {
     EXPECT_TRUE(contains(world.warnings[0], "meshes[0].primitives[4] holds points or lines, which are skipped"));
 }
 
-TEST(Gltf, joining_triangles_of_a_strip_are_skipped) {
+TEST(Gltf, degenerate_triangles_that_join_strips_are_skipped) {
     GltfScene scene;
     const int positions = scene.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0});
     const int strip = scene.add_indices({0, 1, 2, 2, 3, 3, 4, 5});
@@ -165,7 +165,7 @@ TEST(Gltf, meshes_over_the_same_data_are_one_shape) {
     EXPECT_EQ(read_scene(scene).shapes.size(), 1u);
 }
 
-TEST(Gltf, shape_takes_only_its_vertices_of_a_shared_accessor) {
+TEST(Gltf, shape_has_only_its_vertices_of_a_shared_accessor) {
     GltfScene scene;
     std::vector<float> xyz;
     for (int i = 0; i < 900; ++i) xyz.push_back(static_cast<float>(i));
@@ -203,7 +203,7 @@ TEST(Gltf, vertices_can_be_interleaved) {
     EXPECT_EQ(coordinates(read_scene(scene, {.weld = Weld::no}).shapes[0]),
               (std::vector<double>{0, 0, 7, 0, 0, 7, 1, 0, 7}));
     scene.json["accessors"].at(static_cast<std::size_t>(positions))["byteOffset"] = 8;
-    expect_refused(scene, "accessors[0] announces 3 elements, and bufferViews[0] holds 2");
+    expect_refused(scene, "accessors[0] announces 3 elements, but bufferViews[0] holds 2");
 }
 
 TEST(Gltf, unsupported_skins_morphs_and_instances_give_warnings) {
@@ -235,9 +235,11 @@ TEST(Gltf, error_in_a_transform_names_its_node) {
                    "nodes[0] 'elbow' has a matrix that is not affine");
     expect_refused(scene_with({{"matrix", {1, 0, 0, 1e-9, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}}), "is not affine");
     expect_refused(scene_with({{"matrix", {1, 0, 0}}}), "nodes[0].matrix holds 3 numbers, not 16");
-    expect_refused(scene_with({{"translation", {1, 0, nullptr}}}), "nodes[0].translation holds what is no number");
-    expect_refused(scene_with({{"rotation", {0, 0, 0, 0}}}), "nodes[0] 'elbow' has a rotation without a direction");
-    expect_refused(scene_with({{"scale", "large"}}), "nodes[0].scale is no list");
+    expect_refused(scene_with({{"translation", {1, 0, nullptr}}}),
+                   "nodes[0].translation holds a value that is not a number");
+    expect_refused(scene_with({{"rotation", {0, 0, 0, 0}}}),
+                   "nodes[0] 'elbow' has a rotation whose length is 0 or not finite");
+    expect_refused(scene_with({{"scale", "large"}}), "nodes[0].scale is not a list");
 
     GltfScene scene = scene_with({{"scale", {1e200, 1, 1}}, {"children", {1}}});
     scene.add_node({{"name", "wrist"}, {"mesh", 0}, {"scale", {1e200, 1, 1}}}, false);

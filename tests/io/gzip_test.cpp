@@ -36,7 +36,7 @@ std::string gunzipped(const fs::path& path) {
 
 const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 0.1 0\nf 1 2 3\n";
 
-TEST(Gzip, is_recognised_by_content) {
+TEST(Gzip, gzip_is_recognised_by_its_content) {
     const TriangleMesh plain = read_bytes(triangle, "a.obj");
     for (const char* const name : {"a.obj.gz", "a.obj", "a", "a.GZ"})
         expect_same(read_bytes(gzipped(triangle), name), plain);
@@ -101,12 +101,12 @@ TEST(Gzip, damage_is_an_error) {
     const std::string whole = gzipped(triangle);
     for (std::size_t size = 2; size < whole.size(); ++size) {
         const Error error = error_of([&] { read_bytes(whole.substr(0, size), "a.obj.gz"); });
-        EXPECT_TRUE(contains(error.what(), "a.obj.gz, byte " + std::to_string(size) + ": the gzip data ends"))
+        EXPECT_TRUE(contains(error.what(), "a.obj.gz, byte " + std::to_string(size) + ": the gzip data is truncated"))
             << error.what();
     }
     const auto end = static_cast<std::int64_t>(whole.size());
-    expect_bad(whole + "x", "a.obj.gz", Element::byte, end, "something else follows");
-    expect_bad(whole + std::string(4, '\0'), "a.obj.gz", Element::byte, end, "something else follows");
+    expect_bad(whole + "x", "a.obj.gz", Element::byte, end, "other data follows");
+    expect_bad(whole + std::string(4, '\0'), "a.obj.gz", Element::byte, end, "other data follows");
     for (const std::size_t place : {whole.size() - 1, whole.size() - 8}) {  // length, checksum
         std::string changed = whole;
         changed[place] = static_cast<char>(changed[place] ^ 1);

@@ -115,13 +115,13 @@ TEST(HostileGltf, any_replaced_value_is_an_error_or_gives_a_sound_world) {
 TEST(HostileGltf, error_of_a_node_cycle_names_a_node) {
     GltfScene scene = crumple::test::robot_scene();
     scene.json["nodes"][0]["children"] = {1};
-    expect_refused(scene, "nodes[1] 'arm' is named twice");
+    expect_refused(scene, "nodes[1] 'arm' is referred to twice");
     scene.json["scenes"][0]["nodes"] = {0};
     scene.json["nodes"][1]["children"] = {2};
     scene.json["nodes"][2]["children"] = {0};
-    expect_refused(scene, "nodes[0] 'base' is named twice");
+    expect_refused(scene, "nodes[0] 'base' is referred to twice");
     scene.json["nodes"][2]["children"] = {2};
-    expect_refused(scene, "nodes[2] 'hand' is named twice");
+    expect_refused(scene, "nodes[2] 'hand' is referred to twice");
 }
 
 TEST(HostileGltf, error_of_an_index_out_of_range_names_its_place) {
@@ -131,34 +131,34 @@ TEST(HostileGltf, error_of_an_index_out_of_range_names_its_place) {
         scene.json[Json::json_pointer(pointer)] = value;
         expect_refused(scene, what);
     };
-    expect_refused_at("/nodes/1/mesh", 1, "nodes[1].mesh is 1, and there are 1 meshes");
-    expect_refused_at("/nodes/1/mesh", -1, "nodes[1].mesh is no integer");
-    expect_refused_at("/nodes/1/mesh", 4294967296, "nodes[1].mesh is 4294967296, and there are 1 meshes");
+    expect_refused_at("/nodes/1/mesh", 1, "nodes[1].mesh is 1, but there are 1 meshes");
+    expect_refused_at("/nodes/1/mesh", -1, "nodes[1].mesh is not an integer");
+    expect_refused_at("/nodes/1/mesh", 4294967296, "nodes[1].mesh is 4294967296, but there are 1 meshes");
     expect_refused_at("/nodes/1/children", {4}, "nodes[1].children names node 4 of 4");
     expect_refused_at("/scenes/0/nodes", {9}, "scenes[0].nodes names node 9 of 4");
-    expect_refused_at("/scene", 3, "scene is 3, and there are 1 scenes");
-    expect_refused_at("/meshes/0/primitives/0/indices", 7, "is 7, and there are 2 accessors");
+    expect_refused_at("/scene", 3, "scene is 3, but there are 1 scenes");
+    expect_refused_at("/meshes/0/primitives/0/indices", 7, "is 7, but there are 2 accessors");
     expect_refused_at("/meshes/0/primitives/0/indices", 0, "accessors[0].type is 'VEC3', not 'SCALAR'");
     expect_refused_at("/meshes/0/primitives/0/attributes/POSITION", 1, "accessors[1].type is 'SCALAR', not 'VEC3'");
     expect_refused_at("/meshes/0/primitives/0/mode", 7, "mode is 7");
-    expect_refused_at("/accessors/0/bufferView", 2, "accessors[0].bufferView is 2, and there are 2 bufferViews");
-    expect_refused_at("/accessors/0/componentType", 5124, "is 5124, which glTF does not know");
+    expect_refused_at("/accessors/0/bufferView", 2, "accessors[0].bufferView is 2, but there are 2 bufferViews");
+    expect_refused_at("/accessors/0/componentType", 5124, "is 5124, which glTF does not define");
     expect_refused_at("/accessors/0/sparse", Json::object(), "accessors[0].sparse lacks its indices or its values");
     const auto sparse = [](int count, const Json& indices) {
         return Json{{"count", count}, {"indices", indices}, {"values", {{"bufferView", 0}}}};
     };
     expect_refused_at("/accessors/0/sparse", sparse(1, {{"bufferView", 1}, {"componentType", 5126}}),
-                      "accessors[0].sparse.indices.componentType is 5126, which is none of indices");
+                      "accessors[0].sparse.indices.componentType is 5126, which is not a type of indices");
     expect_refused_at("/accessors/0/sparse", sparse(99, {{"bufferView", 1}, {"componentType", 5123}}),
                       "accessors[0].sparse.values announces 99 elements");
     expect_refused_at("/accessors/0/sparse",
                       sparse(1, {{"bufferView", 0}, {"byteOffset", 14}, {"componentType", 5121}}),
                       "accessors[0].sparse.indices names element 128 of 4");
     expect_refused_at("/accessors/0/sparse", sparse(-1, {{"bufferView", 1}, {"componentType", 5123}}),
-                      "accessors[0].sparse.count is no integer");
+                      "accessors[0].sparse.count is not an integer");
     expect_refused_at("/accessors/1/count", 11, "a list of triangles with 11 corners");
     expect_refused_at("/accessors/0/count", 3, "index 5 of accessors[1] names vertex 3 of 3");
-    expect_refused_at("/bufferViews/0/buffer", 1, "bufferViews[0].buffer is 1, and there are 1 buffers");
+    expect_refused_at("/bufferViews/0/buffer", 1, "bufferViews[0].buffer is 1, but there are 1 buffers");
     expect_refused_at("/extensionsRequired", {"KHR_draco_mesh_compression"}, "'KHR_draco_mesh_compression'");
     expect_refused_at("/asset/version", "1.0", "asset.version is '1.0'");
 }
@@ -191,7 +191,7 @@ TEST(HostileGltf, too_many_meshes_over_the_same_data_are_refused) {
                 {{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"mode", 4 + (i >> k & 1)}});
         scene.add_body("a", scene.add_mesh(primitives));
     }
-    expect_refused(scene, "more than 8 triangles a byte");
+    expect_refused(scene, "more than 8 triangles per byte");
 }
 
 TEST(HostileGltf, too_many_primitives_over_the_same_data_are_refused) {
@@ -203,7 +203,7 @@ TEST(HostileGltf, too_many_primitives_over_the_same_data_are_refused) {
     // The triangles of all primitives would take 24 GB.
     scene.add_body("a", scene.add_mesh(Json(
                             10'000, {{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"mode", 5}})));
-    expect_refused(scene, "more than 8 triangles a byte");
+    expect_refused(scene, "more than 8 triangles per byte");
 }
 
 TEST(HostileGltf, deep_trees_are_read_and_deep_json_is_refused) {

@@ -52,7 +52,7 @@ void expect_valid(const TriangleMesh& mesh) {
     ASSERT_TRUE(mesh.groups.empty() || static_cast<std::int64_t>(mesh.groups.size()) == mesh.triangle_count());
 }
 
-TEST(Hostile, truncation_is_an_error_if_the_format_states_its_size) {
+TEST(HostileFiles, truncation_is_an_error_if_the_format_states_its_size) {
     const Folder folder;
     for (const Sample& sample : samples()) {
         const bool announced = !sample.name.ends_with(".obj");
@@ -79,7 +79,7 @@ TEST(Hostile, truncation_is_an_error_if_the_format_states_its_size) {
     }
 }
 
-TEST(Hostile, every_damaged_byte_is_an_error_or_gives_a_valid_mesh) {
+TEST(HostileFiles, every_damaged_byte_is_an_error_or_gives_a_valid_mesh) {
     const Folder folder;
     for (const Sample& sample : samples()) {
         for (std::size_t i = 0; i < sample.bytes.size(); ++i) {
@@ -95,7 +95,7 @@ TEST(Hostile, every_damaged_byte_is_an_error_or_gives_a_valid_mesh) {
     }
 }
 
-TEST(Hostile, random_mutations_are_errors_or_give_valid_meshes) {
+TEST(HostileFiles, random_mutations_are_errors_or_give_valid_meshes) {
     const Folder folder;
     std::mt19937 random(1);
     const auto any = [&](std::size_t size) { return std::uniform_int_distribution<std::size_t>(0, size - 1)(random); };
@@ -126,7 +126,7 @@ TEST(Hostile, random_mutations_are_errors_or_give_valid_meshes) {
     }
 }
 
-TEST(Hostile, absurd_counts_are_errors_without_large_allocations) {
+TEST(HostileFiles, absurd_counts_are_errors_without_large_allocations) {
     const Folder folder;
     const std::string ply = "ply\nformat binary_little_endian 1.0\n";
     const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
@@ -163,7 +163,7 @@ TEST(Hostile, absurd_counts_are_errors_without_large_allocations) {
     }
 }
 
-TEST(Hostile, header_with_many_properties_and_elements_is_an_error) {
+TEST(HostileFiles, header_with_many_properties_and_elements_is_an_error) {
     std::string header = "ply\nformat ascii 1.0\n";
     for (int i = 0; i < 100'000; ++i) header += "element e 0\nproperty int p\n";
     header += "element vertex 0\n";
@@ -171,7 +171,7 @@ TEST(Hostile, header_with_many_properties_and_elements_is_an_error) {
     EXPECT_EQ(error_of([&] { read_bytes(header + "end_header\n", "a.ply"); }).code, ErrorCode::format);
 }
 
-TEST(Hostile, numbers_of_a_million_digits_are_read) {
+TEST(HostileFiles, numbers_of_a_million_digits_are_read) {
     const std::string digits(1'000'000, '3');
     const auto mesh = read_bytes("v 0." + digits + " 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", "a.obj");
     EXPECT_EQ(coordinates(mesh)[0], 1.0 / 3);

@@ -61,13 +61,13 @@ TEST(ListTables, rows_can_lack_their_last_field) {
 }
 
 TEST(ListTables, error_in_a_row_names_the_line) {
-    EXPECT_EQ(read("bird 7\n", "a.txt"), "a.txt, line 1: `bird` is followed by 1 ids and a number");
+    EXPECT_EQ(read("bird 7\n", "a.txt"), "a.txt, line 1: `bird` must be followed by 1 ids and a number");
     EXPECT_EQ(read("\nfish 3 0:4 2 0\n", "a.txt"), "a.txt, line 2: '0:4' names no fish");
     EXPECT_EQ(read("fish 3 9 2\n", "a.txt"), "a.txt, line 1: nine is no fish");
-    EXPECT_EQ(read("fish 3 4 2 1 1\n", "a.txt"), "a.txt, line 1: '1' is left over");
-    EXPECT_EQ(read("cat 3\n", "a.txt"), "a.txt, line 1: 'cat' is none of bird and fish");
-    EXPECT_EQ(read("bird,7,8,0.5,1\n", "a.csv"), "a.csv, line 1: '8' is in a column of another kind");
-    EXPECT_EQ(read("bird,7,\n", "a.csv"), "a.csv, line 1: 3 columns in place of 5");
+    EXPECT_EQ(read("fish 3 4 2 1 1\n", "a.txt"), "a.txt, line 1: unexpected '1' after the last value");
+    EXPECT_EQ(read("cat 3\n", "a.txt"), "a.txt, line 1: 'cat' is not bird or fish");
+    EXPECT_EQ(read("bird,7,8,0.5,1\n", "a.csv"), "a.csv, line 1: '8' is in a column that this kind does not use");
+    EXPECT_EQ(read("bird,7,\n", "a.csv"), "a.csv, line 1: the row has 3 columns instead of 5");
 }
 
 TEST(ListTables, csv_words_are_quoted_where_needed) {
@@ -144,9 +144,9 @@ TEST(ListTables, error_of_an_id_out_of_range_names_the_row) {
         const Source source(in, "a.json");
         return std::string(error_of([&] { read_list_json(source, {&counts, 1}); }).what());
     };
-    EXPECT_EQ(error(R"({"counts": [0, -1]})"), "a.json: row 1 of \"counts\": this is no count");
-    EXPECT_EQ(error(R"({"counts": [2147483648]})"), "a.json: row 0 of \"counts\": this is no count");
-    EXPECT_EQ(error(R"({"counts": [0, [1]]})"), "a.json: row 1 of \"counts\" is no number");
+    EXPECT_EQ(error(R"({"counts": [0, -1]})"), "a.json: row 1 of \"counts\": this is not a valid count");
+    EXPECT_EQ(error(R"({"counts": [2147483648]})"), "a.json: row 0 of \"counts\": this is not a valid count");
+    EXPECT_EQ(error(R"({"counts": [0, [1]]})"), "a.json: row 1 of \"counts\" is not a number");
 }
 
 }  // namespace

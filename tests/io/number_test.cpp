@@ -10,7 +10,7 @@
 namespace crumple::io {
 namespace {
 
-TEST(Number, keeps_its_sign_when_it_overflows_or_underflows) {
+TEST(Number, number_keeps_its_sign_when_it_overflows_or_underflows) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     EXPECT_EQ(number_of("1e400"), infinity);
     EXPECT_EQ(number_of("-1e400"), -infinity);

@@ -49,11 +49,11 @@ TEST(Obj, lines_and_points_are_read_on_request) {
     EXPECT_EQ(all.points, (Indices{0, 1, 2, 3}));
     const TriangleMesh skipped = read_bytes(four + "l 9\np\nf 1 2 3\n", "a.obj");
     EXPECT_TRUE(skipped.lines.empty() && skipped.points.empty());
-    expect_bad(four + "l 1\n", "a.obj", Element::line, 5, "a line has 1 vertices", options);
+    expect_bad(four + "l 1\n", "a.obj", Element::line, 5, "a line has fewer than two vertices", options);
     expect_bad(four + "l 1 2 2\n", "a.obj", Element::line, 5, "a line names a vertex twice in succession", options);
     expect_bad(four + "p\n", "a.obj", Element::line, 5, "a point names no vertex", options);
     expect_bad(four + "p 0\n", "a.obj", Element::line, 5, "a point names vertex 0 of 4", options);
-    expect_bad(four + "l 1 2x\n", "a.obj", Element::line, 5, "a line's corner is none of", options);
+    expect_bad(four + "l 1 2x\n", "a.obj", Element::line, 5, "a line's corner must be v, v/vt", options);
     const TriangleMesh welded =
         read_bytes(four + "v 1 0 0\nl 1 5\nl 2 5\np 5\n", "a.obj", {.weld = Weld::yes, .lines_and_points = true});
     EXPECT_EQ(welded.lines, (std::vector<Edge>{{0, 1}}));
@@ -80,9 +80,9 @@ TEST(Obj, faces_with_fewer_than_three_corners_give_a_warning) {
     EXPECT_EQ(mesh.polygons.corners, (Indices{0, 1, 2, 0, 1, 2, 3}));
     ASSERT_EQ(mesh.warnings.size(), 1u);
     EXPECT_TRUE(contains(mesh.warnings[0],
-                         "a.obj, line 6: a face has less than three corners and is left out, and 2 more like that"))
+                         "a.obj, line 6: a face has fewer than three corners and is left out, and 2 more like that"))
         << mesh.warnings[0];
-    expect_bad(text, "a.obj", Element::line, 6, "less than three corners", {.strict = true});
+    expect_bad(text, "a.obj", Element::line, 6, "fewer than three corners", {.strict = true});
 }
 
 TEST(Obj, error_names_the_line) {
@@ -112,9 +112,9 @@ TEST(Obj, error_names_the_line) {
     bad("f 1/- 2 3\n", 5, "v/vt/vn");
     bad("f 1/// 2 3\n", 5, "v/vt/vn");
     bad("f 1/2/3/4 2 3\n", 5, "v/vt/vn");
-    bad("f 1 2 3\n4\n", 6, "'4' is no statement");
-    bad("\x1b[2J\n", 5, "'?[2J' is no statement");
-    bad("surf 0 1 0 1 1 2 3 4\n", 5, "'surf': free-form surfaces are not read");
+    bad("f 1 2 3\n4\n", 6, "'4' is not a statement");
+    bad("\x1b[2J\n", 5, "'?[2J' is not a statement");
+    bad("surf 0 1 0 1 1 2 3 4\n", 5, "'surf': free-form surfaces are not supported");
 }
 
 TEST(Obj, unknown_statements_are_skipped_with_one_warning) {
@@ -127,7 +127,7 @@ TEST(Obj, unknown_statements_are_skipped_with_one_warning) {
         << mesh.warnings[0];
     expect_bad(text, "a.obj", Element::line, 5, "the unknown statement 'seam'", {.strict = true});
     expect_bad("hello world\nf 1 2 3\n", "a.obj", Element::line, 2, "vertex 3 of 0");
-    expect_bad("\nhello world\n", "a.obj", Element::line, 2, "'hello' is no statement of an OBJ file");
+    expect_bad("\nhello world\n", "a.obj", Element::line, 2, "'hello' is not a statement of an OBJ file");
 }
 
 TEST(Obj, points_and_lines_are_no_triangles) {

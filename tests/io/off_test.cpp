@@ -43,9 +43,9 @@ TEST(Off, faces_with_fewer_than_three_corners_give_a_warning) {
     EXPECT_EQ(mesh.triangles, one_triangle.triangles);
     ASSERT_EQ(mesh.warnings.size(), 1u);
     EXPECT_TRUE(contains(mesh.warnings[0],
-                         "a.off, line 7: a face has less than three corners and is left out, and 2 more like that"))
+                         "a.off, line 7: a face has fewer than three corners and is left out, and 2 more like that"))
         << mesh.warnings[0];
-    expect_bad(text, "a.off", Element::line, 7, "less than three corners", {.strict = true});
+    expect_bad(text, "a.off", Element::line, 7, "fewer than three corners", {.strict = true});
 }
 
 TEST(Off, error_names_the_line) {
@@ -59,7 +59,7 @@ TEST(Off, error_names_the_line) {
     bad("OFF\n", 2, "count of vertices");
     bad("OFF\n3\n0 0 0\n1 0 0\n0 1 0\n", 2, "faces is missing");
     bad("OFF\n3 1 0 0 0 0\n", 2, "do not fit");
-    bad("OFF\n3 1 0 0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 2, "goes on");
+    bad("OFF\n3 1 0 0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 2, "more than three numbers");
     bad("OFF\n-3 1 0\n", 2, "-3 vertices");
     bad("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 7, "a face is missing");
     bad("OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", 4, "a number is missing");

@@ -111,18 +111,18 @@ TEST(Ply, error_in_the_header_names_the_line) {
     bad("ply\nformat ascii 2.0\nend_header\n", 2, "version");
     bad("ply\nformat utf8 1.0\nend_header\n", 2, "unknown format 'utf8'");
     bad("ply\nelement vertex 1\nend_header\n", 3, "no format");
-    bad("ply\nformat ascii 1.0\nelement vertex 1\n", 4, "no end");
+    bad("ply\nformat ascii 1.0\nelement vertex 1\n", 4, "no line end_header");
     bad("ply\nformat ascii 1.0\nelement vertex -1\nend_header\n", 3, "not a count");
     bad("ply\nformat ascii 1.0\nelement vertex 99999999999999999999\nend_header\n", 3, "not a count");
-    bad("ply\nformat ascii 1.0\nproperty int x\nend_header\n", 3, "before any element");
+    bad("ply\nformat ascii 1.0\nproperty int x\nend_header\n", 3, "precedes the first element");
     bad("ply\nformat ascii 1.0\nelement vertex 1\nproperty real x\nend_header\n", 4, "unknown type 'real'");
     bad("ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\nend_header\n", 4,
         "count must be an integer");
     bad("ply\nformat ascii 1.0\nelephant\nend_header\n", 3, "'elephant'");
     bad("ply\nformat ascii 1.0\nend_header\n", 3, "no element 'vertex'");
     bad(ascii("element vertex 0\nproperty float x\nproperty float y\n" + one_face, ""), 3, "no scalar 'z'");
-    bad(ascii("element vertex 0\n" + xyz_float + "property float x\n" + one_face, ""), 3, "two 'x'");
-    bad(ascii(three_vertices + three_vertices + one_face, ""), 7, "a second element 'vertex'");
+    bad(ascii("element vertex 0\n" + xyz_float + "property float x\n" + one_face, ""), 3, "two properties 'x'");
+    bad(ascii(three_vertices + three_vertices + one_face, ""), 7, "there is a second element 'vertex'");
     bad(ascii(three_vertices + "element face 1\nproperty list uchar float vertex_indices\n", ""), 7,
         "no list of integers");
     bad(ascii(three_vertices + "element face 1\nproperty int vertex_indices\n", ""), 7, "no list of integers");
@@ -210,7 +210,7 @@ TEST(Ply, faces_with_fewer_than_three_corners_give_a_warning) {
     EXPECT_EQ(mesh.groups, (std::vector<std::int32_t>{7, 9, 9}));
     EXPECT_EQ(mesh.polygons.offsets, (std::vector<std::int64_t>{0, 3, 7}));
     ASSERT_EQ(mesh.warnings.size(), 1u);
-    EXPECT_NE(mesh.warnings[0].find("a face has less than three corners and is left out"), std::string::npos);
+    EXPECT_NE(mesh.warnings[0].find("a face has fewer than three corners and is left out"), std::string::npos);
 }
 
 }  // namespace

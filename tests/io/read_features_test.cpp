@@ -23,7 +23,7 @@ void expect_bad_rows(const std::string& bytes, const std::string& name, const st
     EXPECT_TRUE(contains(error.what(), what)) << bytes << ": " << error.what();
 }
 
-TEST(ReadFeatures, text_can_have_comments_and_lack_flags) {
+TEST(FeatureReading, text_can_have_comments_and_lack_flags) {
     const Folder folder;
     const FeatureList list = read_impacts(folder.write(
         "a.txt", "# theirs\r\nvf 3 4 0.50000000000000000 0\r\n\r\n  vf\t5 6 0 # at the start\nvf 1 2 0 0"));
@@ -32,7 +32,7 @@ TEST(ReadFeatures, text_can_have_comments_and_lack_flags) {
     EXPECT_TRUE(read_impacts(folder.write("empty.txt", "")).rows.empty());
 }
 
-TEST(ReadFeatures, edges_can_come_in_any_order) {
+TEST(FeatureReading, edges_can_come_in_any_order) {
     const Folder folder;
     const FeatureRow row{{CandidateKind::edge_edge, {0, 0}, {1, 8, 3, 5}}, 0.5, false};
     for (const char* const text : {"ee 1 8 3 5 0.5 0", "ee 8 1 5 3 0.5", "ee 3 5 1 8 0.5", "ee 5 3 8 1 0.5"})
@@ -45,7 +45,7 @@ TEST(ReadFeatures, edges_can_come_in_any_order) {
     }
 }
 
-TEST(ReadFeatures, error_in_text_names_the_line) {
+TEST(FeatureReading, error_in_text_names_the_line) {
     const Folder folder;
     for (const char* const bad : {"v 1 2 0.5",
                                   "1 2 0.5",
@@ -85,7 +85,7 @@ TEST(ReadFeatures, error_in_text_names_the_line) {
     EXPECT_EQ(error_of([&] { read_impacts(folder / "missing.txt"); }).code, ErrorCode::file);
 }
 
-TEST(ReadFeatures, squared_distances_can_be_large_or_infinite) {
+TEST(FeatureReading, squared_distances_can_be_large_or_infinite) {
     const Folder folder;
     const auto near = [&](const char* text) { return read_near(folder.write("a.txt", text)).rows; };
     EXPECT_EQ(near("vf 1 2 1e300\nvf 1 2 inf\nvf 1 2 0\n"),
@@ -94,13 +94,13 @@ TEST(ReadFeatures, squared_distances_can_be_large_or_infinite) {
         EXPECT_EQ(error_of([&] { near(bad); }).code, ErrorCode::format) << bad;
 }
 
-TEST(ReadFeatures, csv_can_lack_its_header_and_last_column) {
+TEST(FeatureReading, csv_can_lack_its_header_and_last_column) {
     const Folder folder;
     for (const char* const text : {"vf,3,4,,,,,0.5,0\n", "kind,vertex,face,a,b,c,d,toi\r\nvf, 3 ,4,,,,,0.5\r\n\r\n"})
         EXPECT_EQ(read_impacts(folder.write("a.csv", text)).rows, std::vector{face(3, 4, 0.5, false)}) << text;
 }
 
-TEST(ReadFeatures, error_in_csv_names_the_line) {
+TEST(FeatureReading, error_in_csv_names_the_line) {
     for (const char* const bad :
          {"vf", "vf,1,2", "vf,1,2,,,,,", "vf,1,2,,,,,0.5,0,0", "vf,1,2,3,,,,0.5", "vf,1,,,,,,0.5", "ee,,,1,2,3,,0.5",
           "ee,1,,1,2,3,4,0.5", "xx,1,2,,,,,0.5", "kind,1,2,,,,,0.5", "vf,1,2,,,,,0.5,yes", "vf 1 2 0.5"})
@@ -125,7 +125,7 @@ std::string json_with(const std::string& name, const std::string& value) {
     return text + "}";
 }
 
-TEST(ReadFeatures, json_can_hold_other_members) {
+TEST(FeatureReading, json_can_hold_other_members) {
     const Folder folder;
     const FeatureRow edges{{CandidateKind::edge_edge, {0, 0}, {0, 1, 2, 3}}, 0, true};
     EXPECT_EQ(read_impacts(folder.write("a.json", json_with("", ""))).rows,
@@ -134,14 +134,14 @@ TEST(ReadFeatures, json_can_hold_other_members) {
         << "a time of 0 is one at the start";
 }
 
-TEST(ReadFeatures, malformed_json_is_an_error) {
+TEST(FeatureReading, malformed_json_is_an_error) {
     const auto bad = [](const char* name, const char* value, const std::string& what) {
         expect_bad_rows(json_with(name, value), "a.json", what);
     };
     for (const char* const value : {"[[0]]", "[[0,1,2]]", "[0,1]", "[[0,[1]]]", "[{}]", "[null]", "[[0,\"1\"]]"})
         bad("vertex_faces", value, "row 0 of \"vertex_faces\"");
     for (const char* const value : {"[[0,-1]]", "[[0,1.5]]", "[[0,2147483648]]", "[[0,null]]", "[[0,1e300]]"})
-        bad("vertex_faces", value, "this is no face");
+        bad("vertex_faces", value, "this is not a valid face");
     for (const char* const name : {"vertex_faces", "vertex_face_toi", "edges", "edge_edges", "edge_edge_toi"})
         for (const char* const value : {"", "1", "{}", "null", "\"x\""}) bad(name, value, "there is no array");
     bad("edges", "[[0,1],{}]", "row 1 of \"edges\"");
@@ -158,7 +158,7 @@ TEST(ReadFeatures, malformed_json_is_an_error) {
     expect_bad_rows(std::string(100'000, '['), "a.json", "byte ");
 }
 
-TEST(ReadFeatures, bodies_of_arrays_are_checked) {
+TEST(FeatureReading, bodies_in_json_are_checked) {
     const auto list = [](const char* bodies, const char* first_edge) {
         return std::string(
                    R"({"vertex_faces": [], "vertex_face_toi": [], "edges": [[0,1],[2,3]], "edge_edges": [[0,0]],)") +
@@ -168,8 +168,8 @@ TEST(ReadFeatures, bodies_of_arrays_are_checked) {
     const FeatureRow row{{CandidateKind::edge_edge, {0, 1}, {0, 1, 2, 3}}, 0.5, false};
     EXPECT_EQ(read_impacts(folder.write("a.json", list("[[0,1]]", "[0,1,2]"))).rows, std::vector{row});
     expect_bad_rows(list("[[0,2]]", "[0,1,2]"), "a.json", "no such body");
-    expect_bad_rows(list("[[0,-1]]", "[0,1,2]"), "a.json", "this is no body");
-    expect_bad_rows(list("[[0,1]]", "[0,-1,2]"), "a.json", "this is no edge");
+    expect_bad_rows(list("[[0,-1]]", "[0,1,2]"), "a.json", "this is not a valid body");
+    expect_bad_rows(list("[[0,1]]", "[0,-1,2]"), "a.json", "this is not a valid edge");
     expect_bad_rows(list("[[0,1]]", "[0,2147483647,2]"), "a.json", "no such edge");
     expect_bad_rows(list("[[0,1],[0,1]]", "[0,1,2]"), "a.json", "is not as long");
 }
@@ -197,20 +197,20 @@ std::string npz_with(const std::string& name, const std::string& array) {
     return out.str();
 }
 
-TEST(ReadFeatures, npz_can_hold_numbers_of_any_order_and_size) {
+TEST(FeatureReading, npz_can_hold_numbers_of_any_order_and_size) {
     const Folder folder;
     const FeatureRow edges{{CandidateKind::edge_edge, {0, 0}, {0, 1, 2, 3}}, 0, true};
     EXPECT_EQ(read_impacts(folder.write("a.npz", npz_with("", ""))).rows, (std::vector{face(0, 1, 0.5, false), edges}));
 }
 
-TEST(ReadFeatures, malformed_npz_is_an_error) {
+TEST(FeatureReading, malformed_npz_is_an_error) {
     using std::endian;
     const auto bad = [](const char* name, const std::string& array, const std::string& what) {
         expect_bad_rows(npz_with(name, array), "a.npz", what);
     };
     expect_bad_rows("PK", "a.npz", "this is not a .npz archive");
     bad("edges", "", "there is no array \"edges\"");
-    bad("edges", "hello, world", "no array of NumPy");
+    bad("edges", "hello, world", "not a NumPy array");
     bad("edges", npy("<i4", "(4,)", packed(endian::little, 0, 1, 2, 3)), "is not of shape (n, 2)");
     bad("edges", npy("<i4", "(1, 3)", packed(endian::little, 0, 1, 2)), "is not of shape (n, 2)");
     bad("edges", npy("<i4", "(2, 2)", packed(endian::little, 0, 1, 2)), "truncated");
@@ -218,7 +218,7 @@ TEST(ReadFeatures, malformed_npz_is_an_error) {
     bad("edges", npy("<i4", "(576460752303423487, 2)", ""), "truncated");
     bad("edges", npy("<i4", "(9223372036854775807, 2)", ""), "is not of shape");
     bad("edges", npy("<U4", "(2, 2)", ""), "plain numbers");
-    bad("edges", npy("<i4", "(2, 2)", packed(endian::little, 0, 1, 2, -3)), "this is no vertex");
+    bad("edges", npy("<i4", "(2, 2)", packed(endian::little, 0, 1, 2, -3)), "this is not a valid vertex");
     bad("vertex_face_toi", npy("<f8", "(1, 1)", packed(endian::little, 0.5)), "is not of shape (n,)");
     bad("vertex_face_toi", npy("<f8", "(2,)", packed(endian::little, 0.5, 0.5)), "is not as long");
 }
@@ -251,7 +251,7 @@ std::string mutated(std::string bytes, std::mt19937& random) {
     return bytes;
 }
 
-TEST(ReadFeatures, any_bytes_are_a_list_or_an_error) {
+TEST(FeatureReading, any_bytes_are_a_list_or_an_error) {
     const auto name_of = [](const char* extension) { return std::string("list") + extension; };
     for (const auto& [extension, format] : {std::pair(".txt", PairFormat::txt),
                                             {".csv", PairFormat::csv},
@@ -286,7 +286,7 @@ TEST(ReadFeatures, any_bytes_are_a_list_or_an_error) {
     }
 }
 
-TEST(ReadFeatures, exact_lists_are_read) {
+TEST(FeatureReading, lists_of_exact_results_are_read) {
     const auto data = data_folder();
     if (!data || !fs::exists(*data / "gt-motion")) GTEST_SKIP() << "no exact lists";
     const FeatureList list = read_impacts(*data / "gt-motion/motion_cloth-funnel_227_228.txt");

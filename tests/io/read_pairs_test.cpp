@@ -21,7 +21,7 @@ void expect_bad_list(const std::string& bytes, const std::string& name, const st
     EXPECT_NE(message.find(what), message.npos) << message;
 }
 
-TEST(ReadPairs, every_format_reads_back_what_was_written) {
+TEST(PairReading, every_format_reads_back_what_was_written) {
     const Folder folder;
     for (const char* const name : {"a.txt", "a.csv", "a.json", "a.npz", "A.CSV"}) {
         for (const bool contacts : {false, true}) {
@@ -34,7 +34,7 @@ TEST(ReadPairs, every_format_reads_back_what_was_written) {
     }
 }
 
-TEST(ReadPairs, text_can_have_comments_and_further_columns) {
+TEST(PairReading, text_can_have_comments_and_further_columns) {
     const Folder folder;
     EXPECT_TRUE(read_pairs(folder.write("empty.txt", "")).empty());
     EXPECT_EQ(read_pairs(folder.write("b.txt", "# a b\r\n3 4\r\n\r\n  5\t6 7 8 # more\n1 2")),
@@ -46,7 +46,7 @@ TEST(ReadPairs, text_can_have_comments_and_further_columns) {
               (Pairs{{3, 4}}));
 }
 
-TEST(ReadPairs, error_in_text_names_the_line) {
+TEST(PairReading, error_in_text_names_the_line) {
     const Folder folder;
     for (const char* const bad : {"1", "a b", "1 b", "-1 2", "1 2147483648", "1.5 2", "1 99999999999999999999", "1;2",
                                   "1,,2", ",1 2", "1, ", "1x 2", "1 2x"}) {
@@ -59,7 +59,7 @@ TEST(ReadPairs, error_in_text_names_the_line) {
     EXPECT_EQ(error_of([&] { read_pairs(folder / "missing.txt"); }).code, ErrorCode::file);
 }
 
-TEST(ReadPairs, csv_can_lack_its_header) {
+TEST(PairReading, csv_can_lack_its_header) {
     const Folder folder;
     const Pairs expected{{0, 1}, {2, 3}};
     for (const char* const text : {"0,1\n2,3\n", "first,second\r\n0,1\r\n\r\n2,3\r\n", "a,b,c\n 0 , 1,x\n2,3,\"y\"",
@@ -69,13 +69,13 @@ TEST(ReadPairs, csv_can_lack_its_header) {
     }
 }
 
-TEST(ReadPairs, error_in_csv_names_the_line) {
+TEST(PairReading, error_in_csv_names_the_line) {
     for (const char* const bad : {"1", "1,", ",1", "1,b", "1.5,2", "-1,2", "1,2147483648", "0 1", "a,b"}) {
         expect_bad_list(std::string("a,b\n0,1\n") + bad + "\n", "a.csv", "line 3");
     }
 }
 
-TEST(ReadPairs, json_can_hold_other_members) {
+TEST(PairReading, json_can_hold_other_members) {
     const Folder folder;
     const auto read = [&](const char* text) { return read_pairs(folder.write("a.json", text)); };
     EXPECT_EQ(read(R"({"x": {"pairs": [[7,8]]}, "y": [[["pairs"]], 1.5, null], "pairs": [[0,1],[2,3]], "z": [[9]]})"),
@@ -83,7 +83,7 @@ TEST(ReadPairs, json_can_hold_other_members) {
     EXPECT_TRUE(read(R"({"pairs": []})").empty());
 }
 
-TEST(ReadPairs, malformed_json_is_an_error) {
+TEST(PairReading, malformed_json_is_an_error) {
     for (const char* const bad :
          {R"({"pairs": [[0,1],[2]]})", R"({"pairs": [[0,1],[2,3,4]]})", R"({"pairs": [[0,1],5]})",
           R"({"pairs": [[0,1],[2,-3]]})", R"({"pairs": [[0,1],[2,3.5]]})", R"({"pairs": [[0,1],[2,2147483648]]})",
@@ -111,7 +111,7 @@ std::string archive_of(const std::string& name, const std::string& bytes, bool c
     return out.str();
 }
 
-TEST(ReadPairs, npz_can_hold_integers_of_any_order_and_size) {
+TEST(PairReading, npz_can_hold_integers_of_any_order_and_size) {
     using std::endian;
     const Folder folder;
     const auto read = [&](const std::string& array, bool compressed = false) {
@@ -132,7 +132,7 @@ TEST(ReadPairs, npz_can_hold_integers_of_any_order_and_size) {
     EXPECT_EQ(read(third), expected) << "version 3 has a longer length";
 }
 
-TEST(ReadPairs, malformed_npz_is_an_error) {
+TEST(PairReading, malformed_npz_is_an_error) {
     const auto expect_bad = [](const std::string& array, const std::string& what) {
         expect_bad_list(archive_of("pairs.npy", array), "a.npz", what);
         expect_bad_list(array, "a.npy", what);
@@ -141,7 +141,7 @@ TEST(ReadPairs, malformed_npz_is_an_error) {
     expect_bad_list("", "a.npz", "archive");
     expect_bad_list("PK\x03\x04 and nothing else", "a.npz", "archive");
     expect_bad_list(archive_of("hits.npy", npy("<i4", "(2, 2)", two)), "a.npz", "no array 'pairs'");
-    expect_bad("not an array", "no array of NumPy");
+    expect_bad("not an array", "not a NumPy array");
     expect_bad("\x93NUMPY", "truncated");
     expect_bad(npy("<i4", "(4,)", two), "shape");
     expect_bad(npy("<i4", "(2, 3)", two), "shape");

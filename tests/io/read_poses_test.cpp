@@ -27,7 +27,7 @@ Pose counted(double first) {
     return pose;
 }
 
-TEST(ReadPoses, rows_of_text_have_commas_or_blanks) {
+TEST(PoseReading, rows_of_text_have_commas_or_blanks) {
     const std::vector<Pose> expected{counted(0), counted(12)};
     const std::string a = "0,1,2,3,4,5,6,7,8,9,10,11", b = "12 13 14\t15, 16 ,17,18,19,20 21 +22 2.3e1";
     EXPECT_EQ(read_text(a + "\n" + b), expected);
@@ -39,16 +39,18 @@ TEST(ReadPoses, rows_of_text_have_commas_or_blanks) {
     EXPECT_EQ(read_text("0.1,1,2,3,4,5,6,7,8,9,10,11", {"a"})[0].rows[0], 0.1);
 }
 
-TEST(ReadPoses, error_in_text_names_line_row_and_body) {
+TEST(PoseReading, error_in_text_names_line_row_and_body) {
     const std::string row = "0,1,2,3,4,5,6,7,8,9,10,11\n";
-    expect_refused_text(row + row + row + "1,2\n", "p.csv, line 4: row 3 (configuration 1, body 'arm'): a pose has 12");
-    expect_refused_text(row + "0,1,2,3,4,5,6,7,8,9,10,11,12\n", "row 1 (configuration 0, body 'arm'): a pose has 12");
-    expect_refused_text(row + "0,1,2,3,4,5,6,7,8,9,10,11,0,0,0,2\n", "ends with 0 0 0 1");
+    expect_refused_text(row + row + row + "1,2\n",
+                        "p.csv, line 4: row 3 (configuration 1, body 'arm'): a pose must have 12");
+    expect_refused_text(row + "0,1,2,3,4,5,6,7,8,9,10,11,12\n",
+                        "row 1 (configuration 0, body 'arm'): a pose must have 12");
+    expect_refused_text(row + "0,1,2,3,4,5,6,7,8,9,10,11,0,0,0,2\n", "must end with 0 0 0 1");
     for (const char* const number : {"nan", "-NaN", "inf", "1e999"})
         expect_refused_text("0,1,2," + std::string(number) + ",4,5,6,7,8,9,10,11\n",
                             "p.csv, line 1: row 0 (configuration 0, body 'base'): number 4 is not finite");
-    expect_refused_text(row + "one,two\n", "p.csv, line 2: 'one' is no number");
-    expect_refused_text(row + "0x1,1,2,3,4,5,6,7,8,9,10,11", "'0x1' is no number");
+    expect_refused_text(row + "one,two\n", "p.csv, line 2: 'one' is not a number");
+    expect_refused_text(row + "0x1,1,2,3,4,5,6,7,8,9,10,11", "'0x1' is not a number");
     expect_refused_text(row, "1 rows for 2 bodies: the last configuration has 1");
 }
 
@@ -64,7 +66,7 @@ std::string npy(const std::string& descr, const std::string& shape, std::size_t 
     return file;
 }
 
-TEST(ReadPoses, arrays_can_have_any_shape_that_ends_with_a_pose) {
+TEST(PoseReading, arrays_can_have_any_shape_that_ends_with_a_pose) {
     const auto little = std::endian::little;
     const std::vector<Pose> expected{counted(0), counted(12)};
     for (const char* const shape : {"(2, 12)", "(1, 2, 12)", "(2, 3, 4)", "(1, 2, 3, 4)"}) {
@@ -77,22 +79,22 @@ TEST(ReadPoses, arrays_can_have_any_shape_that_ends_with_a_pose) {
     EXPECT_EQ(read_text(npy<double>("<f8", "(12,)", 12, little), {"a"}, "p.npy").size(), 1u);
 }
 
-TEST(ReadPoses, malformed_arrays_are_refused) {
+TEST(PoseReading, malformed_arrays_are_refused) {
     const auto little = std::endian::little;
     const auto refused = [](const std::string& file, const std::string& what) {
         expect_refused_text(file, what, "p.npy");
     };
-    refused("no array", "no array of NumPy");
-    refused(npy<double>("<f8", "(24,)", 24, little), "the array's shape ends neither with 12");
-    refused(npy<double>("<f8", "()", 1, little), "the array's shape ends neither with 12");
+    refused("no array", "not a NumPy array");
+    refused(npy<double>("<f8", "(24,)", 24, little), "the array's shape must end with 12");
+    refused(npy<double>("<f8", "()", 1, little), "the array's shape must end with 12");
     refused(npy<double>("<f8", "(2, 4, 4)", 32, little), "row 0 (configuration 0, body 'base'): a pose of 16");
     refused(npy<double>("<f8", "(2, 12)", 24, little, "True"), "Fortran order");
-    refused(npy<std::int64_t>("<i8", "(2, 12)", 24, little), "neither float32 nor float64");
+    refused(npy<std::int64_t>("<i8", "(2, 12)", 24, little), "must hold float32 or float64");
     refused(npy<double>("<f8", "(2, 12)", 23, little), "truncated");
     refused(npy<double>("<f8", "(2, 12)", 25, little), "longer than its header says");
     refused(npy<double>("<f8", "(9223372036854775807, 9223372036854775807, 12)", 24, little), "truncated");
     refused(npy<double>("<f8", "(999999999999, 12)", 24, little), "truncated");
-    refused(npy<double>("<f8", "(2, -12)", 24, little), "the array's shape ends neither with 12");
+    refused(npy<double>("<f8", "(2, -12)", 24, little), "the array's shape must end with 12");
     refused(npy<double>("<f8", "(3, 12)", 36, little), "3 rows for 2 bodies");
     std::string file = npy<double>("<f8", "(2, 12)", 24, little);
     const std::string nan = packed(little, std::numeric_limits<double>::quiet_NaN());

@@ -13,14 +13,14 @@
 namespace crumple::io::test {
 namespace {
 
-TEST(Read, every_format_gives_the_same_mesh) {
+TEST(MeshReading, every_format_gives_the_same_mesh) {
     for (const Sample& sample : samples()) {
         SCOPED_TRACE(sample.name);
         expect_same(read_bytes(sample.bytes, sample.name, {.precision = Precision::float64}), sample_mesh());
     }
 }
 
-TEST(Read, content_and_not_extension_decides_the_format) {
+TEST(MeshReading, content_and_not_extension_decides_the_format) {
     for (const Sample& sample : samples()) {
         for (const char* const name : {"mesh.obj", "mesh.ply", "mesh.stl", "mesh.off", "mesh.dat", "mesh"}) {
             SCOPED_TRACE(sample.name + " as " + name);
@@ -30,7 +30,7 @@ TEST(Read, content_and_not_extension_decides_the_format) {
     }
 }
 
-TEST(Read, windows_line_ends_make_no_difference) {
+TEST(MeshReading, windows_line_ends_make_no_difference) {
     for (const Sample& sample : samples()) {
         if (sample.bytes.find('\0') != std::string::npos) continue;
         SCOPED_TRACE(sample.name);
@@ -40,7 +40,7 @@ TEST(Read, windows_line_ends_make_no_difference) {
     }
 }
 
-TEST(Read, single_carriage_returns_end_lines) {
+TEST(MeshReading, single_carriage_returns_end_lines) {
     for (const Sample& sample : samples()) {
         if (sample.bytes.find('\0') != std::string::npos) continue;
         SCOPED_TRACE(sample.name);
@@ -51,7 +51,7 @@ TEST(Read, single_carriage_returns_end_lines) {
     expect_bad("v 0 0 0\rv 1 0 0\r\nv x 0 0\n", "a.obj", Element::line, 3, "'x'");
 }
 
-TEST(Read, binary_body_begins_after_any_line_end_of_the_header) {
+TEST(MeshReading, binary_body_begins_after_any_line_end_of_the_header) {
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         const std::string bytes = binary_ply(order);
         const std::size_t end = bytes.find("end_header\n") + 11;
@@ -70,7 +70,7 @@ TEST(Read, binary_body_begins_after_any_line_end_of_the_header) {
     EXPECT_EQ(read_bytes(header + "\n", "a.ply").vertex_count(), 0);
 }
 
-TEST(Read, stream_is_read_like_a_file) {
+TEST(MeshReading, stream_is_read_like_a_file) {
     for (const Sample& sample : samples()) {
         SCOPED_TRACE(sample.name);
         std::istringstream in(sample.bytes);
@@ -81,7 +81,7 @@ TEST(Read, stream_is_read_like_a_file) {
     }
 }
 
-TEST(Read, empty_file_is_an_error_and_no_triangles_a_warning) {
+TEST(MeshReading, empty_file_is_an_error_and_no_triangles_a_warning) {
     for (const char* const name : {"a.obj", "a.ply", "a.stl", "a.off", "a.dat"}) {
         for (const char* const bytes : {"", "\n \r\n"}) expect_bad(bytes, name, Element::byte, 0, "the file is empty");
     }
@@ -98,7 +98,7 @@ TEST(Read, empty_file_is_an_error_and_no_triangles_a_warning) {
     }
 }
 
-TEST(Read, last_line_needs_no_line_end) {
+TEST(MeshReading, last_line_needs_no_line_end) {
     for (Sample sample : samples()) {
         if (sample.bytes.back() != '\n') continue;
         SCOPED_TRACE(sample.name);
@@ -108,7 +108,7 @@ TEST(Read, last_line_needs_no_line_end) {
     }
 }
 
-TEST(Read, automatic_precision_loses_nothing) {
+TEST(MeshReading, automatic_precision_loses_nothing) {
     for (const Sample& sample : samples()) {
         const bool single = sample.name == "binary.stl";
         EXPECT_EQ(read_bytes(sample.bytes, sample.name).precision(), single ? ScalarType::float32 : ScalarType::float64)
@@ -119,7 +119,7 @@ TEST(Read, automatic_precision_loses_nothing) {
     }
 }
 
-TEST(Read, text_is_rounded_once) {
+TEST(MeshReading, text_is_rounded_once) {
     // Slightly more than half way between two float32 numbers. If it were first rounded to float64, it would be half
     // way, and be rounded down, to even.
     const std::string text = "v 1.000000059604644775390626 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n";
@@ -127,7 +127,7 @@ TEST(Read, text_is_rounded_once) {
     EXPECT_EQ(coordinates(mesh)[0], double{0x1.000002p0f});
 }
 
-TEST(Read, underflow_is_no_error) {
+TEST(MeshReading, underflow_is_no_error) {
     const std::string text =
         "v 1e-999 -1e-46 1e-40\nv 0.000e999999999999999999999 0 0\nv 1e-99999999999999999999 0 0\nf 1 2 3\n";
     const auto x = coordinates(read_bytes(text, "a.obj", {.precision = Precision::float32}));
@@ -138,7 +138,7 @@ TEST(Read, underflow_is_no_error) {
     EXPECT_EQ(coordinates(read_bytes(text, "a.obj"))[1], -1e-46);
 }
 
-TEST(Read, overflow_and_nonfinite_numbers_are_errors) {
+TEST(MeshReading, overflow_and_nonfinite_numbers_are_errors) {
     const auto vertex = [](const std::string& x) { return "v 0 0 0\nv 0 " + x + " 0\nv 0 0 0\nf 1 2 3\n"; };
     for (const char* const x : {"nan", "inf", "-inf", "-nan(1)", "1e999", "-1e400", "1e+309", "0x10", "1,5", "1.5x",
                                 "--1", "+-1", ".", "-", "1e999999999999999999999"}) {
@@ -150,7 +150,7 @@ TEST(Read, overflow_and_nonfinite_numbers_are_errors) {
     EXPECT_EQ(coordinates(read_bytes(vertex("+1.5"), "a.obj"))[4], 1.5);
 }
 
-TEST(Read, rounds_to_nearest_in_any_mode_of_the_caller) {
+TEST(MeshReading, numbers_are_rounded_to_nearest_in_any_mode_of_the_caller) {
     const std::string text = "v 0.1 0.2 0.3\nv 0 0 0\nv 0 0 0\nf 1 2 3\n";
     const Folder folder;
     const fs::path path = folder.write("a.obj", text);
@@ -165,7 +165,7 @@ TEST(Read, rounds_to_nearest_in_any_mode_of_the_caller) {
     EXPECT_EQ(x[2], 0.3);
 }
 
-TEST(Read, welding_joins_equal_positions_and_keeps_the_first) {
+TEST(MeshReading, welding_joins_equal_positions_and_keeps_the_first) {
     const std::string text = "v -0 1 2\nv 5 5 5\nv 0 1 2\nv 5 5 5.000001\nv 5 5 5\nf 1 2 4\nf 3 5 4\n";
     const TriangleMesh mesh = read_bytes(text, "a.obj", {.weld = Weld::yes});
     EXPECT_EQ(mesh.vertex_count(), 3);
@@ -174,13 +174,13 @@ TEST(Read, welding_joins_equal_positions_and_keeps_the_first) {
     EXPECT_EQ(read_bytes(text, "a.obj").vertex_count(), 5) << "only STL is welded without being asked";
 }
 
-TEST(Read, welding_follows_conversion_of_precision) {
+TEST(MeshReading, welding_follows_conversion_of_precision) {
     const std::string text = "v 1 0 0\nv 1.00000000001 0 0\nv 0 0 0\nf 1 2 3\n";
     EXPECT_EQ(read_bytes(text, "a.obj", {.precision = Precision::float32, .weld = Weld::yes}).vertex_count(), 2);
     EXPECT_EQ(read_bytes(text, "a.obj", {.weld = Weld::yes}).vertex_count(), 3);
 }
 
-TEST(Read, error_names_a_path_that_is_no_file) {
+TEST(MeshReading, error_names_a_path_that_is_no_file) {
     const Folder folder;
     for (const fs::path& path : {folder / "missing.ply", folder.path(), fs::path("/dev/zero"), fs::path("")}) {
         const Error error = error_of([&] { read_mesh(path); });
@@ -189,7 +189,7 @@ TEST(Read, error_names_a_path_that_is_no_file) {
     }
 }
 
-TEST(Read, file_without_permission_is_an_error) {
+TEST(MeshReading, file_without_permission_is_an_error) {
     if (geteuid() == 0) GTEST_SKIP() << "root may read everything";
     const Folder folder;
     const fs::path path = folder.write("a.obj", obj());
@@ -197,14 +197,14 @@ TEST(Read, file_without_permission_is_an_error) {
     EXPECT_EQ(error_of([&] { read_mesh(path); }).code, ErrorCode::file);
 }
 
-TEST(Read, empty_or_unknown_file_is_an_error) {
+TEST(MeshReading, empty_or_unknown_file_is_an_error) {
     for (const char* const name : {"a.ply", "a.stl", "a.off", "a"}) {
         EXPECT_EQ(error_of([&] { read_bytes("", name); }).code, ErrorCode::format) << name;
     }
     EXPECT_EQ(error_of([&] { read_bytes("hello world\n", "a.dat"); }).code, ErrorCode::format);
 }
 
-TEST(Read, groups_are_read_only_from_ply) {
+TEST(MeshReading, groups_are_read_only_from_ply) {
     for (const Sample& sample : samples()) {
         SCOPED_TRACE(sample.name);
         const ReadOptions options{.group_property = "part"};
@@ -217,7 +217,7 @@ TEST(Read, groups_are_read_only_from_ply) {
     }
 }
 
-TEST(Read, byte_order_mark_before_text_is_skipped) {
+TEST(MeshReading, byte_order_mark_before_text_is_skipped) {
     const std::string mark = "\xef\xbb\xbf";
     for (const Sample& sample : samples()) {
         const bool text = sample.name.starts_with("ascii") || sample.name.starts_with("square");
@@ -227,10 +227,10 @@ TEST(Read, byte_order_mark_before_text_is_skipped) {
             expect_same(read_bytes(mark + sample.bytes, name, {.precision = Precision::float64}), sample_mesh());
     }
     expect_bad(mark + "v 0 0 0\nv 1 x 0\n", "a.obj", Element::line, 2, "'x'");
-    expect_bad(mark + mark + "v 0 0 0\n", "a.obj", Element::line, 1, "is no statement");
+    expect_bad(mark + mark + "v 0 0 0\n", "a.obj", Element::line, 1, "is not a statement");
 }
 
-TEST(Read, error_holds_the_code_of_the_operating_system) {
+TEST(MeshReading, error_holds_the_code_of_the_operating_system) {
     const Folder folder;
     EXPECT_EQ(error_of([&] { read_mesh(folder / "missing.ply"); }).system_error, ENOENT);
     EXPECT_EQ(error_of([&] { read_mesh(folder.path()); }).system_error, EISDIR);

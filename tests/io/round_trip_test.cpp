@@ -41,7 +41,7 @@ class RoundTrip : public testing::Test {
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(RoundTrip, Scalars);
 
-TYPED_TEST(RoundTrip, keeps_every_bit) {
+TYPED_TEST(RoundTrip, round_trip_keeps_every_bit) {
     for (const char* const name : {"a.ply", "a.obj", "a.off"}) {
         SCOPED_TRACE(name);
         write_mesh(this->folder / name, this->mesh);
@@ -72,7 +72,7 @@ TYPED_TEST(RoundTrip, ply_keeps_groups) {
     expect_same(read_mesh(this->folder / "a.ply", {.group_property = "group"}), this->mesh);
 }
 
-TYPED_TEST(RoundTrip, keeps_an_empty_mesh) {
+TYPED_TEST(RoundTrip, round_trip_keeps_an_empty_mesh) {
     const TriangleMesh empty{std::vector<TypeParam>{}, {}, {}};
     for (const char* const name : {"a.ply", "a.off", "a.obj", "a.stl"}) {
         SCOPED_TRACE(name);
@@ -81,7 +81,7 @@ TYPED_TEST(RoundTrip, keeps_an_empty_mesh) {
     }
 }
 
-TEST(RoundTripStl, keeps_every_bit_of_float32) {
+TEST(RoundTripStl, stl_keeps_every_bit_of_float32) {
     const Folder folder;
     const TriangleMesh mesh = random_mesh<float>(9);
     write_mesh(folder / "a.stl", mesh);
@@ -96,7 +96,7 @@ TEST(RoundTripStl, keeps_every_bit_of_float32) {
     }
 }
 
-TEST(RoundTripStl, refuses_coordinates_that_overflow_float32) {
+TEST(RoundTripStl, coordinates_that_overflow_float32_are_refused) {
     const Folder folder;
     TriangleMesh mesh = sample_mesh();
     std::get<std::vector<double>>(mesh.vertices)[7] = 1e300;

@@ -114,26 +114,26 @@ class Slices : public testing::Test {
     const Folder folder;
 };
 
-TEST_F(Slices, of_ply_join_to_the_whole_mesh) {
+TEST_F(Slices, slices_of_ply_join_to_the_whole_mesh) {
     for (const std::endian order : {std::endian::little, std::endian::big})
         for (const Precision precision : {Precision::automatic, Precision::float32, Precision::float64})
             for (const char* group : {"", "group"})
                 expect_same(ply_bytes(order), {.precision = precision, .group_property = group});
 }
 
-TEST_F(Slices, of_stl_join_to_the_whole_mesh) {
+TEST_F(Slices, slices_of_stl_join_to_the_whole_mesh) {
     for (const Precision precision : {Precision::automatic, Precision::float64})
         expect_same(stl_bytes(30), {.precision = precision, .weld = Weld::no});
 }
 
-TEST_F(Slices, state_whether_to_weld) {
+TEST_F(Slices, slices_state_whether_to_weld) {
     EXPECT_TRUE(slice(stl_bytes(3))->weld);
     EXPECT_FALSE(slice(stl_bytes(3), {.weld = Weld::no})->weld);
     EXPECT_FALSE(slice(ply_bytes(std::endian::little))->weld);
     EXPECT_TRUE(slice(ply_bytes(std::endian::little), {.weld = Weld::yes})->weld);
 }
 
-TEST_F(Slices, are_not_made_of_unsuitable_files) {
+TEST_F(Slices, unsuitable_files_are_not_sliced) {
     const std::string ply = ply_bytes(std::endian::little);
     EXPECT_FALSE(slice("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
     EXPECT_FALSE(slice("ply\nformat ascii 1.0\nelement vertex 0\n"));
@@ -150,7 +150,7 @@ TEST_F(Slices, are_not_made_of_unsuitable_files) {
 }
 
 // Only the reader whose block has the polygon can detect it.
-TEST_F(Slices, with_polygons_are_refused_by_their_reader) {
+TEST_F(Slices, polygons_are_refused_by_the_reader_of_their_block) {
     for (const std::uint8_t corners : {std::uint8_t{2}, std::uint8_t{4}}) {
         const std::string ply = ply_bytes(std::endian::little, {.face = 6, .corners = corners});
         EXPECT_TRUE(slice(ply, {}, 0, 2));
@@ -158,7 +158,7 @@ TEST_F(Slices, with_polygons_are_refused_by_their_reader) {
     }
 }
 
-TEST_F(Slices, fail_with_the_error_of_the_whole_file) {
+TEST_F(Slices, error_of_a_slice_equals_that_of_the_whole_file) {
     const float infinite = std::numeric_limits<float>::infinity();
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         for (const Spoiled& spoiled :
@@ -178,7 +178,7 @@ TEST_F(Slices, fail_with_the_error_of_the_whole_file) {
     EXPECT_STREQ(error.what(), error_of([&] { read_mesh(folder / "a.mesh"); }).what());
 }
 
-TEST(Blocks, map_rows_to_their_readers) {
+TEST(Blocks, each_row_belongs_to_the_reader_of_its_block) {
     for (const std::int64_t rows : {1, 2, 7, 64, 2147483647}) {
         for (const int readers : {1, 2, 3, 64}) {
             const Blocks blocks{rows, readers};

@@ -6,7 +6,7 @@
 namespace crumple::io::test {
 namespace {
 
-TEST(Stl, is_welded_by_exact_position_by_default) {
+TEST(Stl, stl_is_welded_by_exact_position_by_default) {
     for (const std::string& bytes : {binary_stl(), ascii_stl()}) {
         EXPECT_EQ(read_bytes(bytes, "a.stl").vertex_count(), 5);
         const TriangleMesh soup = read_bytes(bytes, "a.stl", {.weld = Weld::no});
@@ -87,7 +87,7 @@ TEST(Stl, keywords_can_hold_a_blank_and_precede_words) {
     const TriangleMesh mesh = read_bytes(text.substr(0, text.rfind("further")), "a.stl");
     EXPECT_EQ(coordinates(mesh), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0}));
     EXPECT_TRUE(mesh.warnings.empty());
-    expect_bad(text, "a.stl", Element::line, 12, "'further' instead of solid");
+    expect_bad(text, "a.stl", Element::line, 12, "solid is expected, not 'further'");
 }
 
 TEST(Stl, error_in_ascii_names_the_line) {
@@ -106,7 +106,7 @@ TEST(Stl, error_in_ascii_names_the_line) {
     EXPECT_TRUE(contains(cut.warnings[0], "endsolid is missing"));
     bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\n", 8,
         "a facet has 4 corners instead of 3");
-    bad("solid\n" + facet + "endsolid\nfacet\n", 10, "instead of solid");
+    bad("solid\n" + facet + "endsolid\nfacet\n", 10, "solid is expected");
     bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n", 6,
         "a facet has 2 corners instead of 3");
     bad("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 inf\n", 4, "'inf'");

@@ -166,7 +166,7 @@ TEST(Triangulation, self_crossing_polygon_is_fanned_with_a_warning) {
         EXPECT_EQ(mesh.triangles, read(text, Triangulation::fan).triangles);
         ASSERT_EQ(mesh.warnings.size(), 1u);
         const std::string line = "line " + std::to_string(outline.size() + 1) + ": ";
-        EXPECT_NE(mesh.warnings[0].find(line + "a polygon crosses itself and is fanned"), std::string::npos)
+        EXPECT_NE(mesh.warnings[0].find(line + "a polygon crosses itself and becomes a fan"), std::string::npos)
             << mesh.warnings[0];
         const auto strictly = [&] { read_bytes(text, "a.obj", {.strict = true}); };
         EXPECT_EQ(error_of(strictly).code, ErrorCode::format);
@@ -198,7 +198,7 @@ TEST(Triangulation, corner_can_be_far_from_all_others) {
     expect_cut_however_it_lies(beyond_expansions);
 }
 
-TEST(Triangulation, is_exact_at_every_magnitude) {
+TEST(Triangulation, triangulation_is_exact_at_every_magnitude) {
     const Outline sliver{{0, 0}, {4, 0}, {2, 0x1p-50}, {2, 0x1p-51}};  // concave by about 2^-51
     for (const double scale : {1.0, 0x1p-900, 0x1p900, 0x1p1020, 0x1p-1020}) {
         SCOPED_TRACE(scale);
@@ -262,7 +262,7 @@ TEST(Triangulation, polygons_of_ply_and_off_are_cut_as_well) {
     }
 }
 
-TEST(Polygons, name_the_face_of_each_triangle) {
+TEST(Polygons, each_triangle_has_the_number_of_its_face) {
     const TriangleMesh mesh =
         read("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\nf 1 2 3\nf 1 2 3 4\nf 2 3 4\nf 1 2 3 4 5\n");
     EXPECT_EQ(mesh.polygons.of_triangle, (Indices{0, 1, 1, 2, 3, 3, 3}));
@@ -271,14 +271,14 @@ TEST(Polygons, name_the_face_of_each_triangle) {
     EXPECT_EQ(mesh.polygons.count(), 4);
 }
 
-TEST(Polygons, are_absent_where_all_faces_are_triangles) {
+TEST(Polygons, polygons_are_absent_if_all_faces_are_triangles) {
     const TriangleMesh mesh = read("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nf 3 2 1\n");
     EXPECT_TRUE(mesh.polygons.empty());
     EXPECT_EQ(mesh.polygons.count(), 0);
     EXPECT_TRUE(mesh.polygons.offsets.empty() && mesh.polygons.corners.empty());
 }
 
-TEST(Polygons, name_the_welded_vertices) {
+TEST(Polygons, corners_are_welded_vertices) {
     const std::string text = "v 9 9 9\nv 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 3 4 5 6\n";
     const TriangleMesh mesh = read_bytes(text, "a.obj", {.weld = Weld::yes});
     EXPECT_EQ(mesh.polygons.corners, (Indices{1, 2, 3, 4}));

@@ -17,7 +17,7 @@ TriangleMesh corner(Unit unit, double size = 1) {
     return mesh;
 }
 
-TEST(Unit, is_stated_by_3mf_and_metres_for_gltf) {
+TEST(Unit, unit_is_read_from_3mf_and_is_metres_for_gltf) {
     const Folder folder;
     const auto read = [&](const std::string& attributes) {
         const std::string model =
@@ -40,7 +40,7 @@ TEST(Unit, is_stated_by_3mf_and_metres_for_gltf) {
     EXPECT_EQ(read_bytes("OFF\n0 0 0\n", "a.off").unit, Unit::unknown);
 }
 
-TEST(Unit, is_preserved_by_3mf_and_gltf) {
+TEST(Unit, unit_is_preserved_by_3mf_and_gltf) {
     const Folder folder;
     for (const Unit unit : units) {
         SCOPED_TRACE(name_of(unit));
@@ -118,7 +118,7 @@ TEST(Unit, conversion_of_a_world_scales_shapes_and_translations) {
     EXPECT_EQ(coordinates(posed_mesh(world)), coordinates(converted));
 }
 
-TEST(Unit, can_be_stated_without_changing_coordinates) {
+TEST(Unit, unit_can_be_stated_without_changing_coordinates) {
     const Folder folder;
     const fs::path path = folder.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     const TriangleMesh stated = read_mesh(path, {.unit = Unit::inch});
@@ -151,7 +151,7 @@ TEST(Unit, failed_conversion_changes_nothing) {
                          "the meshes are in different units, in and m"));
 }
 
-TEST(Unit, has_names) {
+TEST(Unit, each_unit_has_a_name_and_other_names_are_refused) {
     for (const Unit unit : units) EXPECT_EQ(unit_named(name_of(unit)), unit);
     EXPECT_EQ(unit_named("millimeter"), Unit::millimetre);
     EXPECT_EQ(unit_named("metre"), Unit::metre);

@@ -40,7 +40,7 @@ WorldMesh three_bodies() {
     return world;
 }
 
-TEST(WriteThreeMf, mesh_keeps_every_bit) {
+TEST(ThreeMfWriting, mesh_keeps_every_bit) {
     const Folder folder;
     const TriangleMesh doubles{std::vector<double>{0.1, -0.0, 1e308, 5e-324, 1.0 / 3, -7, 1e22, 2, 123456789.125},
                                {0, 1, 2, 2, 1, 1}};
@@ -57,7 +57,7 @@ TEST(WriteThreeMf, mesh_keeps_every_bit) {
     EXPECT_EQ(first.str(), second.str());
 }
 
-TEST(WriteThreeMf, world_keeps_bodies_and_shared_shapes) {
+TEST(ThreeMfWriting, world_keeps_bodies_and_shared_shapes) {
     const Folder folder;
     const WorldMesh world = three_bodies();
     write_world(folder / "a.3mf", world);
@@ -80,7 +80,7 @@ TEST(WriteThreeMf, world_keeps_bodies_and_shared_shapes) {
     EXPECT_FALSE(fs::exists(folder / "a.ply"));
 }
 
-TEST(WriteThreeMf, colliding_triangles_are_coloured) {
+TEST(ThreeMfWriting, colliding_triangles_are_coloured) {
     const Folder folder;
     Detector detector;
     const TriangleMesh crossing{
@@ -95,7 +95,7 @@ TEST(WriteThreeMf, colliding_triangles_are_coloured) {
     EXPECT_EQ(count_of("p1=\"1\"", text), 2u);
 }
 
-TEST(WriteThreeMf, coloured_world_shares_shapes_of_free_bodies) {
+TEST(ThreeMfWriting, coloured_world_shares_shapes_of_free_bodies) {
     const Folder folder;
     WorldMesh world = three_bodies();
     world.bodies.push_back({"far", 0, {{1, 0, 0, 100, 0, 1, 0, 100, 0, 0, 1, 100}}});
@@ -112,7 +112,7 @@ TEST(WriteThreeMf, coloured_world_shares_shapes_of_free_bodies) {
     EXPECT_EQ(count_of("p1=\"1\"", model_text(folder / "a.3mf")), 2u);
 }
 
-TEST(WriteThreeMf, empty_world_and_mesh_can_be_written) {
+TEST(ThreeMfWriting, empty_world_and_mesh_can_be_written) {
     const Folder folder;
     write_world(folder / "a.3mf", {});
     EXPECT_EQ(read_world(folder / "a.3mf").bodies.size(), 0u);

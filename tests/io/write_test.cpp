@@ -19,7 +19,7 @@ std::size_t files_in(const fs::path& folder) {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-TEST(Write, error_names_the_path) {
+TEST(FileWriting, error_names_the_path) {
     const Folder folder;
     fs::create_directory(folder / "folder.ply");
     const Intersections none;
@@ -40,7 +40,7 @@ TEST(Write, error_names_the_path) {
     EXPECT_EQ(files_in(folder.path()), 1u) << "no half file stays";
 }
 
-TEST(Write, full_disk_keeps_the_old_file) {
+TEST(FileWriting, full_disk_keeps_the_old_file) {
     // A limit on the size of files has the same effect as a full disk.
     const Folder folder;
     const fs::path path = folder.write("a.ply", "old");
@@ -66,7 +66,7 @@ TEST(Write, full_disk_keeps_the_old_file) {
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(Write, existing_file_is_replaced_and_keeps_its_permissions) {
+TEST(FileWriting, existing_file_is_replaced_and_keeps_its_permissions) {
     const Folder folder;
     const fs::path path = folder.write("a.ply", "old");
     fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
@@ -76,7 +76,7 @@ TEST(Write, existing_file_is_replaced_and_keeps_its_permissions) {
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(Write, link_stays_a_link) {
+TEST(FileWriting, link_stays_a_link) {
     const Folder folder;
     folder.write("target.ply", "old");
     fs::create_symlink("target.ply", folder / "link.ply");
@@ -85,7 +85,7 @@ TEST(Write, link_stays_a_link) {
     expect_same(read_mesh(folder / "target.ply"), sample_mesh());
 }
 
-TEST(Write, read_only_file_is_not_replaced) {
+TEST(FileWriting, read_only_file_is_not_replaced) {
     const Folder folder;
     const fs::path path = folder.write("a.ply", "old");
     fs::permissions(path, fs::perms::owner_read);
@@ -111,7 +111,7 @@ TEST(Write, read_only_file_is_not_replaced) {
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(Write, link_can_point_to_nothing_but_not_to_itself) {
+TEST(FileWriting, link_can_point_to_nothing_but_not_to_itself) {
     const Folder folder;
     fs::create_directory(folder / "sub");
     fs::create_symlink("sub/target.ply", folder / "link.ply");
@@ -125,7 +125,7 @@ TEST(Write, link_can_point_to_nothing_but_not_to_itself) {
     EXPECT_NE(std::string(error.what()).find("loop.ply"), std::string::npos) << error.what();
 }
 
-TEST(Write, error_names_the_folder_that_is_the_cause) {
+TEST(FileWriting, error_names_the_folder_that_is_the_cause) {
     const Folder folder;
     folder.write("file", "x");
     const auto error = [&](const char* name) { return error_of([&] { write_mesh(folder / name, sample_mesh()); }); };
@@ -134,10 +134,10 @@ TEST(Write, error_names_the_folder_that_is_the_cause) {
               std::string::npos)
         << error("missing/a.ply").what();
     EXPECT_EQ(error("file/a.ply").system_error, ENOTDIR);
-    EXPECT_NE(std::string(error("file/a.ply").what()).find("file is no folder"), std::string::npos);
+    EXPECT_NE(std::string(error("file/a.ply").what()).find("file is not a folder"), std::string::npos);
 }
 
-TEST(Write, unfinished_files_do_not_outlive_the_process) {
+TEST(FileWriting, unfinished_files_do_not_outlive_the_process) {
     const Folder folder;
     const auto begin = [&] {
         static AtomicFile* const file = new AtomicFile(folder / "a.txt");  // never closed, as if still in use
@@ -162,7 +162,7 @@ TEST(Write, unfinished_files_do_not_outlive_the_process) {
     EXPECT_EQ(files_in(folder.path()), 0u);
 }
 
-TEST(Write, missing_unfinished_file_is_an_error_on_commit) {
+TEST(FileWriting, missing_unfinished_file_is_an_error_on_commit) {
     const Folder folder;
     folder.write("a.txt", "old");
     AtomicFile file(folder / "a.txt"), other(folder / "b.txt");
@@ -172,7 +172,7 @@ TEST(Write, missing_unfinished_file_is_an_error_on_commit) {
     EXPECT_EQ(bytes_of(folder / "a.txt"), "old");
 }
 
-TEST(Write, stream_gets_the_bytes_of_a_file) {
+TEST(FileWriting, stream_gets_the_bytes_of_a_file) {
     const Folder folder;
     for (const auto& [name, format] : {std::pair("a.ply", MeshFormat::ply),
                                        {"a.obj", MeshFormat::obj},
@@ -191,7 +191,7 @@ TEST(Write, stream_gets_the_bytes_of_a_file) {
     EXPECT_EQ(error_of([&] { write_mesh(out, sample_mesh(), MeshFormat::ply); }).code, ErrorCode::file);
 }
 
-TEST(Write, device_is_written_and_not_replaced) {
+TEST(FileWriting, device_file_is_written_and_not_replaced) {
     Intersections collisions;
     collisions.pairs.push_back({1, 2});
     write_pairs("/dev/null", collisions, PairFormat::txt);
@@ -201,7 +201,7 @@ TEST(Write, device_is_written_and_not_replaced) {
     EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-TEST(Write, name_without_a_folder_is_in_the_working_folder) {
+TEST(FileWriting, name_without_a_folder_is_in_the_working_folder) {
     const Folder folder;
     const fs::path before = fs::current_path();
     fs::current_path(folder.path());
@@ -210,7 +210,7 @@ TEST(Write, name_without_a_folder_is_in_the_working_folder) {
     expect_same(read_mesh(folder / "a.OBJ"), sample_mesh());
 }
 
-TEST(Write, invalid_meshes_are_refused) {
+TEST(FileWriting, invalid_meshes_are_refused) {
     const Folder folder;
     const auto expect_error = [&](ErrorCode code, Element element, std::int64_t index, auto&& change) {
         TriangleMesh mesh = sample_mesh();
@@ -231,7 +231,7 @@ TEST(Write, invalid_meshes_are_refused) {
     EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
-TEST(Write, stl_holds_unit_normals_and_zero_for_degenerate_triangles) {
+TEST(FileWriting, stl_holds_unit_normals_and_zero_for_degenerate_triangles) {
     const Folder folder;
     write_mesh(folder / "a.stl", {std::vector<float>{0, 0, 0, 1e-30f, 0, 0, 0, 1e-30f, 0}, {0, 1, 2, 0, 1, 1}, {}});
     const std::string bytes = bytes_of(folder / "a.stl");

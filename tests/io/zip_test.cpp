@@ -154,14 +154,14 @@ TEST(Zip, truncation_is_an_error_and_damage_never_changes_the_mesh) {
     }
 }
 
-TEST(Zip, error_says_why_an_entry_cannot_be_read) {
+TEST(Zip, error_explains_why_an_entry_cannot_be_read) {
     const auto expect_error = [](const Archive& archive, const std::string& what) {
         const Error error = error_of([&] { read_bytes(archive.bytes(parts_of_3mf()), "a.3mf"); });
         EXPECT_EQ(error.code, ErrorCode::format);
         EXPECT_TRUE(contains(error.what(), "a.3mf") && contains(error.what(), what)) << error.what();
     };
-    expect_error({.flags = 1}, "missing, encrypted, or compressed in a way that is not read");
-    expect_error({.method = 14}, "missing, encrypted, or compressed in a way that is not read");
+    expect_error({.flags = 1}, "missing, encrypted, or compressed in a way that is not supported");
+    expect_error({.method = 14}, "missing, encrypted, or compressed in a way that is not supported");
     const Error error = error_of([] { read_bytes(std::string("PK\3\4") + std::string(40, 'x'), "a.3mf"); });
     EXPECT_TRUE(contains(error.what(), "a.3mf: this is not a 3MF archive")) << error.what();
 }
@@ -190,9 +190,9 @@ TEST(Zip, archive_with_one_mesh_is_read) {
         EXPECT_TRUE(contains(error_of([&] { read_world(path); }).what(), "a.bin")) << "which is not in the archive";
     }
     expect_error(zip({{"a.off", off}, {"b.stl", ""}}), "holds 2 meshes, 'a.off' the first; unpack it");
-    expect_error(zip({{"readme.txt", off}}), "this is a zip archive but no 3MF file, and it holds no mesh");
+    expect_error(zip({{"readme.txt", off}}), "this is a zip archive but not a 3MF file, and it holds no mesh");
     expect_error(zip({{"a.off", "OFF\n1 0 0\n0 x 0\n"}}), "a.zip/a.off, line 3: 'x' is not a finite number");
-    const char* const unread = "'a.off' is damaged, encrypted, compressed in a way that is not read, or too large";
+    const char* const unread = "'a.off' is damaged, encrypted, compressed in a way that is not supported, or too large";
     for (const Archive& archive : {Archive{.flags = 1}, Archive{.method = 14}})
         expect_error(archive.bytes({{"a.off", off}}), unread);
     std::string damaged = Archive{.deflated = false}.bytes({{"a.off", off}});
@@ -200,9 +200,9 @@ TEST(Zip, archive_with_one_mesh_is_read) {
     expect_error(damaged, unread);
 }
 
-TEST(Contents, that_are_no_mesh_are_identified_in_the_error) {
+TEST(Contents, contents_other_than_meshes_are_identified_in_the_error) {
     expect_bad("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5\n", "a.stl", Element::byte, 0,
-               "this is a pointer to a file that Git LFS keeps elsewhere; `git lfs pull` brings the file");
+               "this is a pointer to a file that Git LFS keeps elsewhere; `git lfs pull` downloads the file");
     const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     for (const bool big : {false, true}) {
         std::string wide;
@@ -211,7 +211,7 @@ TEST(Contents, that_are_no_mesh_are_identified_in_the_error) {
             expect_bad(mark + wide, "a.off", Element::byte, 0, "this is text in UTF-16; save it as UTF-8");
     }
     const Error error = error_of([] { read_bytes("\x89PNG\r\n", "a"); });
-    EXPECT_TRUE(contains(error.what(), "those of PLY, OBJ, STL, OFF, glTF or 3MF")) << error.what();
+    EXPECT_TRUE(contains(error.what(), "that of PLY, OBJ, STL, OFF, glTF or 3MF")) << error.what();
     EXPECT_EQ(read_bytes("\xff\xfe" + std::string(82, '\0'), "a.stl").triangle_count(), 0) << "a binary STL's title";
 }
 

@@ -34,7 +34,7 @@ class OverlapAgreement : public testing::TestWithParam<Setting> {
     }
 };
 
-TEST_P(OverlapAgreement, holds_for_bodies_on_a_grid) {
+TEST_P(OverlapAgreement, bodies_on_a_grid_match_brute_force) {
     for (unsigned seed = 0; seed < 60; ++seed) {
         SCOPED_TRACE(seed);
         const ClosedBodies bodies = closed_bodies(seed, 3, true, false);
@@ -44,7 +44,7 @@ TEST_P(OverlapAgreement, holds_for_bodies_on_a_grid) {
     }
     for (const int rows : relations_) EXPECT_GT(rows, 0);
 }
-TEST_P(OverlapAgreement, holds_for_bodies_anywhere) {
+TEST_P(OverlapAgreement, bodies_off_the_grid_match_brute_force) {
     for (unsigned seed = 100; seed < (sanitized ? 120u : 130u); ++seed) {
         SCOPED_TRACE(seed);
         const ClosedBodies bodies = closed_bodies(seed, 3, false, true);
@@ -53,14 +53,14 @@ TEST_P(OverlapAgreement, holds_for_bodies_anywhere) {
     }
     EXPECT_GT(relations_[1], 10);
 }
-TEST_P(OverlapAgreement, holds_for_several_worlds_and_every_output) {
+TEST_P(OverlapAgreement, several_worlds_and_every_output_match_brute_force) {
     ClosedBodies bodies = closed_bodies(7, 6, true, false);
     for (std::size_t b = 0; b < 6; ++b) bodies.bodies[b].world = b == 5 ? -1 : static_cast<std::int32_t>(b / 2);
     for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs, Output::pairs})
         for (const double least : {0.0, 0.5, 100.0}) compare(bodies.view(), {.output = output, .min_volume = least});
 }
 
-TEST_P(OverlapAgreement, holds_for_bodies_of_which_one_is_open) {
+TEST_P(OverlapAgreement, worlds_with_an_open_body_match_brute_force) {
     for (unsigned seed = 200; seed < 210; ++seed) {
         SCOPED_TRACE(seed);
         ClosedBodies bodies = closed_bodies(seed, 4, true, false);
@@ -73,7 +73,7 @@ TEST_P(OverlapAgreement, holds_for_bodies_of_which_one_is_open) {
     }
 }
 
-TEST_P(OverlapAgreement, holds_for_tilted_common_planes) {
+TEST_P(OverlapAgreement, tilted_common_planes_match_brute_force) {
     double area = 0;
     for (unsigned seed = 300; seed < (sanitized ? 310u : 330u); ++seed) {
         SCOPED_TRACE(seed);
@@ -91,7 +91,7 @@ TEST_P(OverlapAgreement, holds_for_tilted_common_planes) {
     EXPECT_GT(area, 10);
 }
 
-TEST_P(OverlapAgreement, holds_for_t_junctions_with_degenerate_faces) {
+TEST_P(OverlapAgreement, t_junctions_with_degenerate_faces_match_brute_force) {
     for (unsigned seed = 400; seed < 420; ++seed) {
         SCOPED_TRACE(seed);
         ClosedBodies bodies = closed_bodies(seed, 2, true, false);

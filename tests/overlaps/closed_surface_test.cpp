@@ -49,7 +49,7 @@ TEST(ClosedSurface, tetrahedron_is_closed_only_with_all_faces) {
     EXPECT_EQ(edges[2].triangle, 2);
 }
 
-TEST(OpenEdges, are_listed_by_vertices_with_the_lowest_triangle) {
+TEST(OpenEdges, open_edges_are_sorted_and_name_the_lowest_triangle) {
     const std::vector<float> xyz{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     std::vector<std::int32_t> triangles = tetrahedron(0);
     const auto list = [&](bool weld = false) {
@@ -83,7 +83,7 @@ TEST(OpenEdges, welding_closes_seams) {
     EXPECT_EQ(of_three[0], (OpenEdge{{0, 1}, 0})) << "by the lowest of equal vertices";
 }
 
-TEST(ClosedSurface, closed_means_each_edge_balances_in_both_directions) {
+TEST(ClosedSurface, surface_is_closed_iff_opposite_edges_balance) {
     EXPECT_TRUE(Mesh(3, {0, 1, 2, 0, 2, 1}).surface.closed());   // two faces back to back
     EXPECT_FALSE(Mesh(3, {0, 1, 2, 0, 1, 2}).surface.closed());  // two copies of one face
     EXPECT_TRUE(Mesh(4, {0, 1, 2, 0, 2, 1, 3, 3, 1}).surface.closed() ==
@@ -91,7 +91,7 @@ TEST(ClosedSurface, closed_means_each_edge_balances_in_both_directions) {
     EXPECT_TRUE(Mesh(0, {}).surface.closed());
 }
 
-TEST(ClosedSurface, components_are_intervals_of_places_without_loose_vertices) {
+TEST(ClosedSurface, components_are_contiguous_and_omit_loose_vertices) {
     std::vector<std::int32_t> triangles = tetrahedron(1);
     for (const std::int32_t v : tetrahedron(6)) triangles.push_back(v);
     const Mesh mesh(10, triangles);  // no face has the vertices 0 and 5
@@ -108,7 +108,7 @@ TEST(ClosedSurface, components_are_intervals_of_places_without_loose_vertices) {
 }
 
 // Gives vertices random winding numbers, uses their differences along edges as jumps, and expects the numbers back.
-TEST(ClosedSurface, steps_along_the_forest_reproduce_winding_numbers) {
+TEST(ClosedSurface, winding_numbers_follow_from_jumps_along_edges) {
     std::mt19937 random(3);
     for (int round = 0; round < 50; ++round) {
         const std::int32_t n = 4 + static_cast<std::int32_t>(random() % 40);

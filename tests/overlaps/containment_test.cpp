@@ -167,7 +167,7 @@ ContainedSoup unwelded(const ContainedSoup& soup) {
     return apart;
 }
 
-class ContainmentByName : public testing::Test {
+class KnownContainments : public testing::Test {
    protected:
     /// Returns how two bodies lie: "apart", "meeting" or "inside".
     std::string relation(const ContainedSoup& a, const ContainedSoup& b, bool weld = false) {
@@ -187,33 +187,33 @@ class ContainmentByName : public testing::Test {
     Detector reference_{Options{.backend = Backend::reference}};
 };
 
-TEST_F(ContainmentByName, body_in_another_is_inside) {
+TEST_F(KnownContainments, body_in_another_is_inside) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0.5, 0, 0, 1)), "inside");
     EXPECT_EQ(relation(cube(0.5, 0, 0, 1), cube(0, 0, 0, 4)), "inside");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(9, 0, 0, 1)), "apart");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(2, 0, 0, 1)), "meeting");
 }
-TEST_F(ContainmentByName, body_that_touches_another_from_inside_meets_it) {
+TEST_F(KnownContainments, body_that_touches_another_from_inside_meets_it) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(1.5, 0, 0, 1)), "meeting");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0, 0, 0, 4)), "meeting");
 }
-TEST_F(ContainmentByName, cavity_is_outside) {
+TEST_F(KnownContainments, cavity_is_outside) {
     EXPECT_EQ(relation(hollow_cube(), cube(0, 0, 0, 1)), "apart");
     EXPECT_EQ(relation(hollow_cube(), cube(1.5, 1.5, 1.5, 0.5)), "inside");
     EXPECT_EQ(relation(hollow_cube(), cube(0, 0, 0, 3)), "inside") << "it fills the cavity and more";
     EXPECT_EQ(relation(test::joined(cube(0, 0, 0, 4), cube(0, 0, 0, 2)), cube(0, 0, 0, 1)), "inside")
         << "covered twice, which is no cavity";
 }
-TEST_F(ContainmentByName, one_component_inside_suffices) {
+TEST_F(KnownContainments, one_component_inside_suffices) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), test::joined(cube(9, 0, 0, 1), cube(0, 0, 0, 1))), "inside");
     EXPECT_EQ(relation(test::joined(cube(9, 0, 0, 4), cube(0, 0, 0, 4)), cube(0, 0, 0, 1)), "inside");
     EXPECT_EQ(relation(test::joined(cube(9, 0, 0, 4), cube(0, 0, 0, 4)), cube(4.5, 0, 0, 1)), "apart");
 }
-TEST_F(ContainmentByName, bodies_that_are_inside_out_contain_as_well) {
+TEST_F(KnownContainments, inside_out_bodies_contain_and_are_contained) {
     EXPECT_EQ(relation(inside_out(cube(0, 0, 0, 4)), cube(0, 0, 0, 1)), "inside");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), inside_out(cube(0, 0, 0, 1))), "inside");
 }
-TEST_F(ContainmentByName, mirroring_poses_change_nothing) {
+TEST_F(KnownContainments, mirroring_poses_change_nothing) {
     const ContainedSoup outer = cube(0, 0, 0, 4), inner = cube(0, 0, 0, 1);
     const Shape shapes[] = {Shape(outer.view()), Shape(inner.view())};
     const Body bodies[] = {{.shape = 0}, {.shape = 1}};
@@ -223,7 +223,7 @@ TEST_F(ContainmentByName, mirroring_poses_change_nothing) {
     EXPECT_EQ(cpu_.find(World{shapes, bodies, poses}, with_containment()).inside.size(), 1u);
 }
 
-TEST_F(ContainmentByName, welding_closes_seams) {
+TEST_F(KnownContainments, welding_closes_seams) {
     const ContainedSoup outer = unwelded(cube(0, 0, 0, 4)), inner = unwelded(cube(0, 0, 0, 1));
     EXPECT_EQ(relation(outer, inner, true), "inside");
     const Error error = error_of([&] { relation(outer, inner); });
@@ -232,7 +232,7 @@ TEST_F(ContainmentByName, welding_closes_seams) {
               std::string::npos)
         << error.what();
 }
-TEST_F(ContainmentByName, contact_at_welded_vertices_alone_does_not_count) {
+TEST_F(KnownContainments, contact_at_welded_vertices_alone_does_not_count) {
     ContainedSoup corner = cube(0, 0, 0, 1);  // one vertex will be at a corner of the outer cube, the others are inside
     corner.vertices[7] = {2, 2, 2};
     EXPECT_EQ(relation(cube(0, 0, 0, 4), corner), "meeting");
@@ -240,7 +240,7 @@ TEST_F(ContainmentByName, contact_at_welded_vertices_alone_does_not_count) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(4, 4, 4, 4), true), "apart") << "touches at a corner from outside";
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0, 0, 0, 4), true), "meeting") << "triangles that are equal";
 }
-TEST_F(ContainmentByName, body_that_enters_through_welded_vertices_is_inside) {
+TEST_F(KnownContainments, body_that_enters_through_welded_vertices_is_inside) {
     // Two tetrahedra with a common tip at a vertex of the cube, one inside the cube and one outside. Through the tip
     // they are one connected component.
     ContainedSoup hourglass;
@@ -250,7 +250,7 @@ TEST_F(ContainmentByName, body_that_enters_through_welded_vertices_is_inside) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), hourglass, true), "inside");
 }
 
-TEST_F(ContainmentByName, open_body_can_be_inside_but_contains_nothing) {
+TEST_F(KnownContainments, open_body_can_be_inside_but_contains_nothing) {
     ContainedSoup open_inner = cube(0, 0, 0, 1), open_outer = cube(0, 0, 0, 4);
     open_inner.triangles.pop_back();
     open_outer.triangles.pop_back();
@@ -275,7 +275,7 @@ TEST_F(ContainmentByName, open_body_can_be_inside_but_contains_nothing) {
     }
 }
 
-TEST_F(ContainmentByName, rows_follow_the_order_of_bodies) {
+TEST_F(KnownContainments, rows_follow_the_order_of_bodies) {
     const ContainedSoup outer = cube(0, 0, 0, 8), left = cube(-2, 0, 0, 2), right = cube(-1, 0, 0, 2);
     const Shape shapes[] = {Shape(left.view()), Shape(outer.view()), Shape(right.view())};
     const Body bodies[] = {{.shape = 0}, {.shape = 1}, {.shape = 2}};
@@ -288,14 +288,14 @@ TEST_F(ContainmentByName, rows_follow_the_order_of_bodies) {
     EXPECT_EQ(found.count, 0);
 }
 
-TEST_F(ContainmentByName, refuses_unsuitable_scenes_and_options) {
+TEST_F(KnownContainments, unsuitable_scenes_and_options_are_rejected) {
     const ContainedSoup a = cube(0, 0, 0, 4), b = cube(0, 0, 0, 1);
     const Scene two(a.view(), b.view());
     const auto message = [&](const Scene& scene, IntersectionQuery query) {
         query.containment = true;
         return std::string(error_of([&] { cpu_.find(scene, query); }).what());
     };
-    EXPECT_EQ(message(a.view(), {.output = Output::any}), "containment is that of bodies: a world, or two meshes");
+    EXPECT_EQ(message(a.view(), {.output = Output::any}), "containment needs bodies: a world or two meshes");
     EXPECT_FALSE(cpu_.supports(a.view(), with_containment()));
     EXPECT_TRUE(cpu_.supports(two, with_containment()));
     EXPECT_FALSE(cpu_.supports(cpu_.partition(two, {}, 2)[0], with_containment()));
@@ -325,7 +325,7 @@ TEST(ContainmentMemory, peak_stays_within_the_limit_in_every_call) {
                                   [](const Intersections& a, const Intersections& b) { return difference(a, b); });
 }
 
-TEST(ContainmentStops, when_cancelled) {
+TEST(ContainmentCalls, cancelled_call_throws_and_detector_stays_usable) {
     const ClosedBodies bodies = nested_bodies(12, 10, false);
     Detector detector(Options{.backend = Backend::cpu});
     std::stop_source source;

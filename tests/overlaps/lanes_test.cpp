@@ -66,7 +66,7 @@ void expect_enclosed(const WordSum (&words)[3], int lanes, const std::array<Rati
     for (std::size_t k = 0; k < 3; ++k) expect_enclosed(words[k], lanes, sums[k], most);
 }
 
-class LanesOfEachKind : public testing::TestWithParam<Kind> {
+class SimdSumsOfEachKind : public testing::TestWithParam<Kind> {
    protected:
     RandomPairs random_{GetParam(), 31};
     std::mt19937 dice_{5};
@@ -81,7 +81,7 @@ class LanesOfEachKind : public testing::TestWithParam<Kind> {
     int rounds() const { return rounds_of(GetParam(), 20); }
 };
 
-TEST_P(LanesOfEachKind, SumsAreWithinTheirBounds) {
+TEST_P(SimdSumsOfEachKind, sums_are_within_their_error_bounds) {
     constexpr double largest = std::numeric_limits<double>::max();
     const auto kernels = all_kernels();
     for (int round = 0; round < rounds(); ++round) {
@@ -147,7 +147,7 @@ TEST_P(LanesOfEachKind, SumsAreWithinTheirBounds) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, LanesOfEachKind, testing::ValuesIn(all_kinds));
+INSTANTIATE_TEST_SUITE_P(All, SimdSumsOfEachKind, testing::ValuesIn(all_kinds));
 
 }  // namespace
 }  // namespace crumple

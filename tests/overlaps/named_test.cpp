@@ -79,7 +79,7 @@ Soup tent(int vertices, double sign) {
     return soup;
 }
 
-class OverlapByName : public testing::Test {
+class KnownOverlaps : public testing::Test {
    protected:
     /// Returns the result of the cpu backend, and expects the same of the reference.
     const Overlaps& find(const std::vector<Soup>& soups, const std::vector<Pose>& poses = {}) {
@@ -112,7 +112,7 @@ class OverlapByName : public testing::Test {
     Detector reference_{Options{.backend = Backend::reference}};
 };
 
-TEST_F(OverlapByName, aligned_stack_touches_with_the_normal_of_its_faces) {
+TEST_F(KnownOverlaps, aligned_stack_touches_with_the_normal_of_its_faces) {
     const Overlaps& found = find({box({0, 0, 0}, {1, 1, 1}), box({0, 0, 1}, {1, 1, 2}), box({0, 0, 2}, {1, 1, 3})});
     ASSERT_EQ(found.count, 2);
     for (std::size_t row = 0; row < 2; ++row) {
@@ -122,7 +122,7 @@ TEST_F(OverlapByName, aligned_stack_touches_with_the_normal_of_its_faces) {
     }
 }
 
-TEST_F(OverlapByName, contact_area_in_a_tilted_plane_is_a_rounded_root) {
+TEST_F(KnownOverlaps, contact_area_in_a_tilted_plane_is_a_rounded_root) {
     std::vector<Soup> soups{box({0, 0, 0}, {1, 1, 1}), box({0.25, 0, 1}, {1.25, 1, 2})};
     for (Soup& soup : soups)
         for (auto& [x, y, z] : soup.vertices) {
@@ -134,7 +134,7 @@ TEST_F(OverlapByName, contact_area_in_a_tilted_plane_is_a_rounded_root) {
     EXPECT_EQ(found.contact_area[0], std::sqrt(1.125));  // 3/4 of a square with a side of root 2
 }
 
-TEST_F(OverlapByName, two_pegs_cross_a_box_in_four_curves) {
+TEST_F(KnownOverlaps, two_pegs_cross_a_box_in_four_curves) {
     const Soup plate = box({0, 0, 0}, {4, 4, 1}), one = box({1, 1, -1}, {1.5, 1.5, 2}),
                other = box({2, 2, -1}, {3, 3, 2});
     const Overlaps& found = cpu_.find(Scene(plate.view(), joined(one, other).view()), OverlapQuery{.curves = true});
@@ -158,7 +158,7 @@ TEST_F(OverlapByName, two_pegs_cross_a_box_in_four_curves) {
     EXPECT_EQ(areas, (std::vector<double>{-1, -0.25, 0.25, 1}));
 }
 
-TEST_F(OverlapByName, boxes_that_touch_in_an_edge_are_cut_in_two_curves) {
+TEST_F(KnownOverlaps, boxes_that_touch_in_an_edge_are_cut_in_two_curves) {
     const Soup twins = joined(box({0, 0, 0}, {1, 1, 2}), box({1, 1, 0}, {2, 2, 2})),
                plate = box({-1, -1, 0.5}, {3, 3, 9});
     const Overlaps& found = cpu_.find(Scene(twins.view(), plate.view()), OverlapQuery{.weld = true, .curves = true});
@@ -167,7 +167,7 @@ TEST_F(OverlapByName, boxes_that_touch_in_an_edge_are_cut_in_two_curves) {
     EXPECT_EQ(found.curve_area_vector[1], (Numbers{0, 0, 1}));
 }
 
-TEST_F(OverlapByName, sheet_through_a_box_has_an_open_curve) {
+TEST_F(KnownOverlaps, sheet_through_a_box_has_an_open_curve) {
     Soup sheet;
     sheet.vertices = {{0.5, 0.5, 0.5}, {3, 0.5, 0.5}, {3, 3, 0.75}, {0.5, 3, 0.5}};
     sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -184,14 +184,14 @@ TEST_F(OverlapByName, sheet_through_a_box_has_an_open_curve) {
     EXPECT_FALSE(cpu_.find(Scene(sheet.view(), cube.view()), OverlapQuery{.open = OpenSurfaces::skip}).any);
 }
 
-TEST_F(OverlapByName, three_equal_boxes_fill_the_same_space) {
+TEST_F(KnownOverlaps, three_equal_boxes_fill_the_same_space) {
     const Soup one = box({0, 0, 0}, {1, 2, 1});
     const Overlaps& found = find({one, one, one});
     ASSERT_EQ(found.count, 3);
     for (std::size_t row = 0; row < 3; ++row) expect_row(found, row, OverlapRelation::equal, 2, {0, 0, 0});
 }
 
-TEST_F(OverlapByName, saddle_with_its_vertex_on_a_plane_overlaps) {
+TEST_F(KnownOverlaps, saddle_with_its_vertex_on_a_plane_overlaps) {
     // The rim goes up and down twice around the tip, which lies on the face of a box.
     const Soup saddle = cone(
         {0, 0, 0}, {{2, 0, 1}, {1, 1, -1}, {0, 2, 1}, {-1, 1, -1}, {-2, 0, 1}, {-1, -1, -1}, {0, -2, 1}, {1, -1, -1}});
@@ -200,7 +200,7 @@ TEST_F(OverlapByName, saddle_with_its_vertex_on_a_plane_overlaps) {
     EXPECT_EQ(found.relation[0], OverlapRelation::overlapping);
 }
 
-TEST_F(OverlapByName, membrane_of_two_sides_has_no_volume) {
+TEST_F(KnownOverlaps, membrane_of_two_sides_has_no_volume) {
     Soup membrane;
     membrane.vertices = {{-1, -1, 0.5}, {2, -1, 0.5}, {0.5, 3, 0.5}};
     membrane.triangles = {{0, 1, 2}, {0, 2, 1}};
@@ -209,7 +209,7 @@ TEST_F(OverlapByName, membrane_of_two_sides_has_no_volume) {
     expect_row(found, 0, OverlapRelation::touching, 0, {0, 0, 0});
 }
 
-TEST_F(OverlapByName, body_of_two_copies_counts_twice) {
+TEST_F(KnownOverlaps, body_of_two_copies_counts_twice) {
     const Soup slab = box({0, 0, 0}, {4, 4, 1}), twice = joined(slab, slab);
     const Overlaps& found = find({twice, box({1, 1, 0.5}, {2, 2, 2})});
     expect_row(found, 0, OverlapRelation::overlapping, 1, {0, 0, 2});
@@ -220,13 +220,13 @@ TEST_F(OverlapByName, body_of_two_copies_counts_twice) {
     EXPECT_EQ(alone.is_solid[0], 0);
 }
 
-TEST_F(OverlapByName, box_that_touches_another_from_inside_is_inside) {
+TEST_F(KnownOverlaps, box_that_touches_another_from_inside_is_inside) {
     const Overlaps& found = find({box({0, 0, 0}, {1, 1, 1}), box({0, 0, 0}, {4, 4, 4})});
     expect_row(found, 0, OverlapRelation::first_inside, 1, {0.5, 0.5, 0.5});
     EXPECT_EQ(found.statistics.triangles, 24);
 }
 
-TEST_F(OverlapByName, body_without_triangles_is_a_solid_of_volume_0) {
+TEST_F(KnownOverlaps, body_without_triangles_is_a_solid_of_volume_0) {
     Soup vertices = box({0, 0, 0}, {1, 1, 1});
     vertices.triangles.clear();
     EXPECT_EQ(find({vertices, box({0, 0, 0}, {1, 1, 1})}).count, 0);
@@ -235,21 +235,21 @@ TEST_F(OverlapByName, body_without_triangles_is_a_solid_of_volume_0) {
     EXPECT_EQ(alone.is_solid[0], 1);
 }
 
-TEST_F(OverlapByName, two_tents_that_share_a_ridge_touch) {
+TEST_F(KnownOverlaps, two_tents_that_share_a_ridge_touch) {
     const Overlaps& found = find({tent(12, -1), tent(12, 1)});
     ASSERT_EQ(found.count, 1);
     EXPECT_EQ(found.relation[0], OverlapRelation::touching);
     EXPECT_EQ(found.volume[0], 0);
 }
 
-TEST_F(OverlapByName, mirrored_spheres_touch_at_a_pole) {
+TEST_F(KnownOverlaps, mirrored_spheres_touch_at_a_pole) {
     const Overlaps& found = find({ball(6, -1), ball(6, 1)});
     ASSERT_EQ(found.count, 1);
     EXPECT_EQ(found.relation[0], OverlapRelation::touching);
     EXPECT_EQ(found.volume[0], 0);
 }
 
-TEST_F(OverlapByName, boxes_of_any_size_have_normal_and_mean_depth) {
+TEST_F(KnownOverlaps, boxes_of_any_size_have_normal_and_mean_depth) {
     for (const double size : {1e-120, 1e-40, 1e40, 1e120}) {
         SCOPED_TRACE(size);
         const Overlaps& found =
@@ -261,7 +261,7 @@ TEST_F(OverlapByName, boxes_of_any_size_have_normal_and_mean_depth) {
     }
 }
 
-TEST_F(OverlapByName, mirroring_poses_keep_the_outside_outside) {
+TEST_F(KnownOverlaps, mirroring_pose_does_not_turn_a_body_inside_out) {
     Pose mirrored, still;
     mirrored.rows[0] = -1;
     const Overlaps& found = find({box({-1, 0, 0}, {0, 1, 1}), box({0.5, 0, 0}, {2, 1, 1})}, {mirrored, still});

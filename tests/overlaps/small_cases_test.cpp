@@ -78,7 +78,7 @@ struct Figures {
     }
 };
 
-TEST(OverlapSmallCases, have_the_bytes_of_rational_arithmetic) {
+TEST(OverlapSmallCases, results_match_rational_arithmetic_byte_by_byte) {
     Detector cpu(Options{.backend = Backend::cpu, .threads = 1}), reference(Options{.backend = Backend::reference});
     const OverlapQuery query{.weld = true, .gradient = true, .curves = true, .windings = true};
     Figures figures;

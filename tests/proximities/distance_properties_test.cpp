@@ -193,7 +193,7 @@ std::pair<Nearest, std::uint8_t> search(const Features& features) {
 
 Rational exactly(double x) { return Rational(x); }
 
-TEST(Distance, is_the_least_that_a_search_of_all_parts_finds) {
+TEST(Distance, matches_a_search_of_all_parts_of_the_features) {
     std::map<std::pair<FeatureKinds, int>, int> found;
     for_features(11, 60, [&](const Features& features, RandomFeatures& random) {
         const RationalDistance distance(features);
@@ -273,7 +273,7 @@ TEST(Distance, keeps_its_symmetries_for_any_magnitudes) {
 }
 
 // Replacing a feature by a part of it (a face by an edge, or an edge by an end) never decreases the distance.
-TEST(Distance, is_at_most_that_of_parts) {
+TEST(Distance, is_at_most_the_distance_of_parts) {
     for_features(19, rounds, [](const Features& features, auto&) {
         const auto& [p, q, r, s] = features.point;
         std::vector<Features> smaller;

@@ -97,7 +97,7 @@ class DistanceTruth : public testing::TestWithParam<Frame> {
     std::vector<Line> lines_;
 };
 
-TEST_P(DistanceTruth, matches_to_the_last_bit) {
+TEST_P(DistanceTruth, distances_match_ground_truth_to_the_last_bit) {
     const Frame& frame = GetParam();
     const double radius = frame.radius;
     DistanceCounts counts;
@@ -157,7 +157,7 @@ class NearPairs : public DistanceTruth {};
 
 // Counts the near pairs of all features. DistanceTruth checks that all pairs in the list are near, so equal numbers
 // mean equal sets.
-TEST_P(NearPairs, are_as_many_as_in_the_list) {
+TEST_P(NearPairs, number_of_near_pairs_matches_ground_truth) {
     const Mesh& mesh = *mesh_;
     const DistanceLimit reach{GetParam().radius, 0, false};
     const auto interval = [&](std::int32_t item, std::initializer_list<std::int32_t> ids) {

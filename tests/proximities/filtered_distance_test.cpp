@@ -207,9 +207,9 @@ const Disturbance disturbances[] = {
      0.9},
 };
 
-class QuickResults : public testing::TestWithParam<Disturbance> {};
+class FilteredResults : public testing::TestWithParam<Disturbance> {};
 
-TEST_P(QuickResults, equal_exact_results) {
+TEST_P(FilteredResults, equal_exact_results) {
     Shares shares;
     for_features(23, 60, [&](Features features, RandomFeatures& random) {
         for (Vec3d& p : features.point) p = GetParam().change(p, random);
@@ -221,14 +221,14 @@ TEST_P(QuickResults, equal_exact_results) {
     EXPECT_LE(shares.closest.value(), GetParam().most_undecided);
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, QuickResults, testing::ValuesIn(disturbances), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(Disturbances, FilteredResults, testing::ValuesIn(disturbances), [](const auto& info) {
     std::string name = info.param.name;
     for (char& c : name) c = c == '-' ? '_' : c;
     return name;
 });
 
 // Each table of kernels either computes nothing (scalar code) or decides nearly all features in general position.
-TEST(FilteredDistance, is_nearly_always_decided_in_lanes) {
+TEST(FilteredDistance, simd_kernels_decide_nearly_all_features) {
     const auto tables = cpu::all_feature_kernels();
     std::vector<Share> shares(tables.size());
     for_features(31, 60, [&](Features features, RandomFeatures& random) {
@@ -243,7 +243,7 @@ TEST(FilteredDistance, is_nearly_always_decided_in_lanes) {
 }
 
 // A batch can hold any number of features of all kinds.
-TEST(FilteredDistance, in_lanes_does_not_depend_on_the_batch) {
+TEST(FilteredDistance, simd_results_do_not_depend_on_the_batch) {
     for (const auto* table : cpu::all_feature_kernels())
         for (std::size_t count = 0; count <= cpu::GuessBatch::most; ++count) {
             RandomFeatures random(Points::wide, 37);
@@ -262,7 +262,7 @@ TEST(FilteredDistance, in_lanes_does_not_depend_on_the_batch) {
 }
 
 // On a lattice nothing is rounded, so ties (radii equal to the distance) need no rational arithmetic.
-TEST(FilteredDistance, decides_ties_of_lattices_without_rationals) {
+TEST(FilteredDistance, ties_on_lattices_need_no_rationals) {
     const Vec3d o{0, 0, 0}, x{4, 0, 0}, y{0, 4, 0};
     const struct {
         Features features;
@@ -314,7 +314,7 @@ TEST(FilteredDistance, decides_ties_of_lattices_without_rationals) {
 
 // Checks that correct bounds are not too wide: they are at most 2^-70 of the squared distance, and at least one error
 // reaches a fiftieth of its bound.
-TEST(FilteredDistance, is_enclosed_tightly) {
+TEST(FilteredDistance, error_bounds_are_tight) {
     double closest_to_bound = 0;
     for_features(29, 60, [&](Features features, RandomFeatures& random) {
         features = with_points(

@@ -105,7 +105,7 @@ TEST(EdgeEdgeDistance, is_measured_between_ends) {
     expect(edge_edge(o, x, far, near), 3, EA1_EB1, 1, 1);
 }
 
-TEST(EdgeEdgeDistance, of_parallel_edges_is_at_the_first_smallest_parts) {
+TEST(EdgeEdgeDistance, tie_of_parallel_edges_goes_to_the_first_smallest_parts) {
     using enum EdgeEdgeType;
     const auto at = [](double from, double to, double y) { return std::array{Vec3d{from, y, 0}, Vec3d{to, y, 0}}; };
     const auto expect_pair = [&](std::array<Vec3d, 2> first, std::array<Vec3d, 2> second, EdgeEdgeType type, double s,
@@ -202,7 +202,7 @@ TEST(Distance, is_right_at_the_limits_of_float64) {
     EXPECT_EQ(nearer.closest(), closest(VertexEdgeType::P_E, 0x1p-52, 0));
 }
 
-TEST(Distance, squared_is_rounded_to_nearest_even) {
+TEST(Distance, squared_distance_is_rounded_to_nearest_even) {
     // 1 + 2^-53 is the tie between 1 and the next float64 number. Smaller sums round to 1, larger ones to the next
     // number.
     const double half = 0x1p-53;
@@ -228,7 +228,7 @@ TEST(Distance, squared_is_rounded_to_nearest_even) {
     EXPECT_EQ(limit(x, 0x1.8p485, 0x1p485), infinity);
 }
 
-TEST(Distance, squared_can_be_subnormal) {
+TEST(Distance, squared_distance_can_be_subnormal) {
     EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-537, 0, 0})).squared(), least_float);
     EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-538, 0x1p-538, 0})).squared(), 0);  // a tie
     EXPECT_EQ(RationalDistance(vertex_vertex({0, 0, 0}, {0x1p-538, 0x1p-538, least_float})).squared(), least_float);

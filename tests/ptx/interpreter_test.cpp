@@ -83,7 +83,7 @@ TEST(Ptx, nan_and_zeros_behave_as_on_a_device) {
     EXPECT_TRUE(std::signbit(least(0., -0.)));
 }
 
-TEST(Ptx, integers_of_every_width_work) {
+TEST(Ptx, integer_instructions_give_exact_results) {
     EXPECT_EQ(run<std::uint32_t>("ld.param.s8 %r1, [in0];\nst.global.u32 [%rd0], %r1;", std::int8_t{-3}), 0xfffffffdu);
     EXPECT_EQ(run<std::uint64_t>("ld.param.u32 %r1, [in0];\nmul.wide.s32 %rd1, %r1, -2;\nst.global.u64 [%rd0], %rd1;",
                                  std::uint32_t{5}),
@@ -113,13 +113,13 @@ TEST(Ptx, bit_fields_are_extracted) {
     EXPECT_EQ(field("u32", 0x80c01234, 32, 8), 0u);
 }
 
-TEST(Ptx, minus_one_is_true) {
+TEST(Ptx, predicate_minus_one_is_true) {
     EXPECT_EQ(run<std::uint32_t>("mov.pred %p1, -1;\nsetp.eq.u32 %p2, 7, 7;\nxor.pred %p3, %p1, %p2;\n"
                                  "selp.u32 %r1, 1, 0, %p3;\nst.global.u32 [%rd0], %r1;"),
               0u);
 }
 
-TEST(Ptx, calls_and_branches_work) {
+TEST(Ptx, kernel_with_calls_and_branches_gives_right_results) {
     Program program(R"(.version 9.0
 .target sm_90
 .address_size 64

@@ -36,12 +36,12 @@ std::vector<std::string> ptx_files() {
 /// True if a kernel decides about codimensional edges and points, according to a template argument in its name.
 bool is_codimensional(const std::string& kernel) { return kernel.find("ELb1E") != kernel.npos; }
 
-class KernelsByTheirPtx : public testing::Test {
+class PtxKernels : public testing::Test {
    protected:
-    KernelsByTheirPtx() {
+    PtxKernels() {
         settings().run_instead = [this](const cuda_on_cpu::Kernel& launch) { return kernels_.run(launch); };
     }
-    ~KernelsByTheirPtx() override { settings().run_instead = nullptr; }
+    ~PtxKernels() override { settings().run_instead = nullptr; }
     void expect_same(const MeshView& mesh) {
         for (const IntersectionKind intersections : {IntersectionKind::all, IntersectionKind::proper}) {
             const IntersectionQuery query{.output = Output::contacts, .kind = intersections};
@@ -73,7 +73,7 @@ class KernelsByTheirPtx : public testing::Test {
     std::int64_t exact_tests_ = 0, contacts_ = 0, impacts_ = 0, near_ = 0;
 };
 
-TEST_F(KernelsByTheirPtx, known_answers_are_right) {
+TEST_F(PtxKernels, comparison_cases_run_every_kernel_correctly) {
     cuda::reset_comparison_cases();
     Detector({.backend = Backend::cuda});  // throws if a result of the comparison differs
     // Kernels of codimensional features are launched only to reserve their stacks.
@@ -82,7 +82,7 @@ TEST_F(KernelsByTheirPtx, known_answers_are_right) {
     }
 }
 
-TEST_F(KernelsByTheirPtx, hard_soups_match_the_cpu) {
+TEST_F(PtxKernels, hard_soups_match_the_cpu) {
     for (const NamedMesh& scene : hard_soups()) {
         SCOPED_TRACE(scene.name);
         expect_same(scene.mesh.view());
@@ -96,7 +96,7 @@ TEST_F(KernelsByTheirPtx, hard_soups_match_the_cpu) {
     EXPECT_GE(contacts_, 10'000);
 }
 
-TEST_F(KernelsByTheirPtx, hard_motions_and_distances_match_the_cpu) {
+TEST_F(PtxKernels, hard_motions_and_distances_match_the_cpu) {
     for (const auto& move : moving_soups<double>(0.1)) {
         SCOPED_TRACE(move.name);
         if (move.unit < 1e300) expect_same(move.soup, move.unit);
@@ -112,7 +112,7 @@ TEST_F(KernelsByTheirPtx, hard_motions_and_distances_match_the_cpu) {
 }
 
 // Codimensional edges and points, which belong to no triangle, are decided by separate kernels.
-TEST_F(KernelsByTheirPtx, codimensional_features_match_the_cpu) {
+TEST_F(PtxKernels, codimensional_features_match_the_cpu) {
     for (unsigned seed = 1; seed <= static_cast<unsigned>(scaled_rounds(3)); ++seed) {
         SCOPED_TRACE(seed);
         MovingSoup<> soup = moving_grid(4, 60, 20, seed);

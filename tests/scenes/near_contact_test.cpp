@@ -65,7 +65,7 @@ TEST(NearContact, is_not_found_between_obstacles) {
     EXPECT_TRUE(NearContactFinder({}, two).find(points, 0.1).empty());
 }
 
-TEST(NearContact, without_a_direction_is_an_error) {
+TEST(NearContact, touching_features_without_a_direction_are_an_error) {
     NearContactFinder finder(two, {});
     try {
         finder.find(one_above(0), 0.1);
@@ -86,7 +86,7 @@ TEST(FreePath, is_the_whole_step_if_nothing_is_met) {
     EXPECT_EQ(reached, end);
 }
 
-TEST(FreePath, ends_before_an_impact_and_spares_other_points) {
+TEST(FreePath, ends_before_an_impact_but_not_for_other_points) {
     // The upper triangle falls through the lower one; a third one falls beside them.
     Triangles triangles = two;
     triangles.push_back({6, 7, 8});

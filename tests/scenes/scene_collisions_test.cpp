@@ -22,9 +22,9 @@ double pairs_per_triangle(std::string_view scene, const scenes::Parameters& para
            static_cast<double>(mesh.triangle_count());
 }
 
-TEST(SceneCollisions, flat_cloth_has_none) { EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 20'000}), 0); }
+TEST(SceneCollisions, flat_cloth_does_not_collide) { EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 20'000}), 0); }
 
-TEST(SceneCollisions, folded_cloth_has_as_many_as_cloth_on_ball) {
+TEST(SceneCollisions, folded_cloth_collides_as_often_as_cloth_on_ball) {
     EXPECT_NEAR(pairs_per_triangle("cloth", {.frame = 93}), 63'602.0 / 92'230, 0.15);
 }
 
@@ -54,7 +54,7 @@ TEST(SceneCollisions, pairs_per_triangle_do_not_depend_on_the_resolution) {
     }
 }
 
-TEST(SceneCollisions, bodies_meet_others_and_knots_also_themselves) {
+TEST(SceneCollisions, bodies_collide_and_knots_also_self_collide) {
     EXPECT_EQ(pairs_per_triangle("bodies", {}, PairScope::within), 0);
     EXPECT_GT(pairs_per_triangle("bodies", {}, PairScope::between), 0.05);
     EXPECT_GT(pairs_per_triangle("knots", {}, PairScope::within), 0.02);
@@ -64,9 +64,9 @@ TEST(SceneCollisions, bodies_meet_others_and_knots_also_themselves) {
     EXPECT_LT(model, 0.1);
 }
 
-TEST(SceneCollisions, shells_have_none) { EXPECT_EQ(pairs_per_triangle("shells", {.triangles = 10'000}), 0); }
+TEST(SceneCollisions, shells_do_not_collide) { EXPECT_EQ(pairs_per_triangle("shells", {.triangles = 10'000}), 0); }
 
-TEST(SceneCollisions, ground_cuts_the_hem) {
+TEST(SceneCollisions, hem_of_the_cloth_intersects_the_ground) {
     const io::TriangleMesh mesh = scenes::make("ground", {.triangles = 30'000, .frame = 93});
     Detector detector;
     IntersectionQuery query;

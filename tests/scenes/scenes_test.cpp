@@ -80,7 +80,7 @@ TEST_P(EveryScene, has_about_the_requested_number_of_triangles) {
     }
 }
 
-TEST_P(EveryScene, is_sound_at_every_size) {
+TEST_P(EveryScene, has_finite_vertices_and_valid_indices_at_every_size) {
     for (const std::int64_t triangles : {1, 2, 100, 12'345}) {
         const io::TriangleMesh mesh =
             make(GetParam().name, {.triangles = triangles, .frame = late_frame(GetParam(), triangles)});
@@ -125,7 +125,7 @@ TEST(Scenes, have_the_same_bits_on_every_machine) {
     }
 }
 
-TEST(ClothBlock, joins_with_others_to_the_whole_cloth) {
+TEST(ClothBlock, blocks_join_to_the_whole_cloth) {
     const scenes::Parameters parameters{.triangles = 3000, .frame = 93};
     const io::TriangleMesh whole = make("cloth", parameters);
     const std::vector<double> xyz = coordinates(whole);
@@ -150,7 +150,7 @@ TEST(Scenes, error_for_an_unknown_name_lists_all_scenes) {
     for (const Description& scene : scenes::descriptions()) EXPECT_NE(text.find(scene.name), std::string::npos) << text;
 }
 
-TEST(Scenes, refuse_wrong_frames_and_numbers) {
+TEST(Scenes, wrong_frames_and_triangle_counts_are_rejected) {
     EXPECT_NE(message("cloth", {.frame = 94}).find("0 to 93"), std::string::npos);
     EXPECT_NE(message("cloth", {.frame = -1}).find("no frame -1"), std::string::npos);
     EXPECT_NE(message("soup", {.triangles = -5}).find("-5"), std::string::npos);
@@ -171,11 +171,11 @@ void expect_closed(std::string_view name) {
     }
 }
 
-TEST(Scenes, of_bodies_are_closed) {
+TEST(Scenes, bodies_are_closed_surfaces) {
     for (const char* name : {"bodies", "shells", "fans", "knots"}) expect_closed(name);
 }
 
-TEST(Scenes, of_bodies_face_outwards) {
+TEST(Scenes, triangles_of_bodies_face_outwards) {
     for (const char* name : {"bodies", "shells", "fans", "knots"}) {
         const io::TriangleMesh mesh = make(name, {.triangles = 5000});
         const auto xyz = coordinates(mesh);

@@ -212,7 +212,7 @@ TEST(Funnel, gives_distance_and_normal_inside_and_outside) {
     EXPECT_GT(funnel.nearest({0.1, 0, -1.2}).distance, 0.2);           // below the spout
 }
 
-TEST(ClothOnBall, collides_more_and_more_from_frame_60_on) {
+TEST(ClothOnBall, pairs_more_than_double_from_frame_60_to_93) {
     if (sanitized) GTEST_SKIP() << "what a scene is like is no matter of memory";
     SimulatedFrames frames(simulate_cloth_on_ball({.triangles = 24'000}), "");
     Detector detector;
@@ -223,7 +223,7 @@ TEST(ClothOnBall, collides_more_and_more_from_frame_60_on) {
     EXPECT_GT(pairs[93], 2 * pairs[60]);
 }
 
-TEST(Cutting, is_detected_by_a_warm_detector_as_topology_changes) {
+TEST(Cutting, warm_detector_stays_exact_as_topology_changes) {
     Animation animation("cutting", {.triangles = 400});
     Detector warm({.backend = Backend::cpu}), reference({.backend = Backend::reference});
     std::set<std::int64_t> counts;
@@ -243,15 +243,15 @@ TEST(Cutting, is_detected_by_a_warm_detector_as_topology_changes) {
 }
 
 /// Fixture with a cache of its own.
-class Cached : public testing::Test {
+class SimulationCache : public testing::Test {
    protected:
-    Cached() {
+    SimulationCache() {
         std::string name = (fs::temp_directory_path() / "crumple-cache-XXXXXX").string();
         if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
         folder_ = name;
         setenv("XDG_CACHE_HOME", name.c_str(), 1);
     }
-    ~Cached() override { fs::remove_all(folder_); }
+    ~SimulationCache() override { fs::remove_all(folder_); }
 
     static SimulatedFrames frames(const std::string& key) { return {simulate_cutting({.triangles = 300}), key}; }
     fs::path file(const char* name) const { return folder_ / "crumple" / "sheet" / name; }
@@ -271,18 +271,18 @@ class Cached : public testing::Test {
     fs::path folder_;
 };
 
-TEST_F(Cached, frames_are_simulated_once) {
+TEST_F(SimulationCache, frames_are_simulated_once) {
     EXPECT_EQ(request(30), std::pair(expected(30), 30));
     EXPECT_EQ(request(30), std::pair(expected(30), 0));
     EXPECT_EQ(request(12), std::pair(expected(12), 0));
 }
 
-TEST_F(Cached, simulation_resumes_from_the_last_frame_bit_by_bit) {
+TEST_F(SimulationCache, simulation_resumes_from_the_last_frame_bit_by_bit) {
     request(30);
     EXPECT_EQ(request(45), std::pair(expected(45), 15));
 }
 
-TEST_F(Cached, damaged_frames_are_simulated_again) {
+TEST_F(SimulationCache, damaged_frames_are_simulated_again) {
     request(20);
     for (const char* name : {"frame20", "state"}) {
         std::fstream damaged(file(name), std::ios::binary | std::ios::in | std::ios::out);
@@ -296,7 +296,7 @@ TEST_F(Cached, damaged_frames_are_simulated_again) {
     EXPECT_EQ(request(7), std::pair(expected(7), 7));
 }
 
-TEST_F(Cached, frames_do_not_need_a_writable_cache) {
+TEST_F(SimulationCache, frames_do_not_need_a_writable_cache) {
     setenv("XDG_CACHE_HOME", "/dev/null", 1);
     EXPECT_EQ(request(5), std::pair(expected(5), 5));
 }

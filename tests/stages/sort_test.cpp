@@ -8,7 +8,7 @@ namespace {
 using Sort = Stages;
 INSTANTIATE_TEST_SUITE_P(, Sort, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
 
-TEST_P(Sort, each_overlap_is_in_the_rows_once) {
+TEST_P(Sort, each_overlap_along_the_sweep_direction_occurs_once) {
     run([](const StageCase& the, const StageState& state) {
         for (const LeafState& leaf : state.leaves) {
             std::vector<Pair> met = leaf.met;

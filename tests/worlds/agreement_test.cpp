@@ -42,7 +42,7 @@ class Worlds : public testing::TestWithParam<Backend> {
     }
 };
 
-TEST_P(Worlds, some_bodies_match_brute_force) {
+TEST_P(Worlds, random_worlds_match_brute_force) {
     for (unsigned seed = 0; seed < seeds; ++seed) compare(seed, {});
 }
 TEST_P(Worlds, named_bodies_match_brute_force) {

@@ -375,14 +375,14 @@ TEST_P(WrongWorld, error_names_the_body) {
     poses.pop_back();
     EXPECT_STREQ(error({shapes, bodies, poses}).what(), "there are 1 poses for 2 bodies");
     bodies[1].shape = 3;
-    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: there is no shape 3; there are 1");
+    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: there is no shape 3 (number of shapes: 1)");
     bodies[1] = {.world = -2};
     EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: its world is -2; worlds are 0 to 2147483646, or -1");
     bodies = {{.world = 1}, {.world = 0}};
     EXPECT_STREQ(error({shapes, bodies, {}}).what(),
-                 "body 1: its world 0 comes after world 1; world ids ascend over the bodies");
+                 "body 1: its world 0 comes after world 1; world ids must ascend over the bodies");
     bodies = {{.world = -1}, {.world = 0}};
-    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: bodies that are in all worlds (-1) come last");
+    EXPECT_STREQ(error({shapes, bodies, {}}).what(), "body 1: bodies that are in all worlds (-1) must come last");
     bodies = {{}, {}};
     IntersectionQuery query;
     query.filter.excluded_bodies = {{0, 2}};

@@ -121,14 +121,14 @@ TEST(RigidMotions, motions_that_are_not_rigid_are_rejected) {
     Pose scaled, reflected;
     scaled.rows[0] = 1.1;
     reflected.rows[0] = -1;
-    EXPECT_EQ(message(scaled, {}, 1, 1), "body 0: its pose at the start is no rotation and translation");
-    EXPECT_EQ(message({}, reflected, 1, 1), "body 0: its pose at the end is no rotation and translation");
+    EXPECT_EQ(message(scaled, {}, 1, 1), "body 0: its pose at the start is not a rotation with a translation");
+    EXPECT_EQ(message({}, reflected, 1, 1), "body 0: its pose at the end is not a rotation with a translation");
     EXPECT_EQ(message({}, {}, -1, 1), "body 0: its radius must be finite and 0 or more");
     EXPECT_EQ(message({}, {}, 1, 0), "tolerance must be finite and above 0");
-    EXPECT_EQ(message({}, turned_about_z(1), 1, 1e-15), "tolerance needs more than 1,048,576 pieces");
+    EXPECT_EQ(message({}, turned_about_z(1), 1, 1e-15), "tolerance is too small: it needs more than 1,048,576 pieces");
     EXPECT_EQ(
         std::string(error_of([&] { cut_rigid_motion(std::vector<Pose>(2), std::vector<Pose>(1), {}, 1); }).what()),
-        "poses at the start, at the end, and radii must be equally many");
+        "start, end and radii must have the same length");
 }
 
 }  // namespace

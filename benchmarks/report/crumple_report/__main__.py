@@ -71,15 +71,15 @@ def main():
         elif arguments.check:
             print(f"SKIPPED: plots are not compared: {reason}")
         else:
-            sys.exit(f"{reason}: scripts/report.sh brings what is needed")
+            sys.exit(f"{reason}; scripts/report.sh installs what is needed")
     if stale and arguments.check:
         names = ", ".join(str(path.relative_to(TOP)) for path in stale)
-        sys.exit(f"not what the committed figures give: {names}; run scripts/report.sh")
+        sys.exit(f"these files do not match the committed figures: {names}; run scripts/report.sh")
     for path in stale:
         print(path.relative_to(TOP))
     commit = results.data["commit"][:12]
     if not arguments.plots and f"`{commit}`" not in FINDINGS.read_text():
-        sys.exit(f"{FINDINGS.relative_to(TOP)} tells other figures than those of commit {commit}: read it again, and name that commit")
+        sys.exit(f"{FINDINGS.relative_to(TOP)} does not name {commit}, the commit of the figures: compare its findings with them, then name that commit")
 
 
 def tables_anew(results, check):

@@ -44,7 +44,7 @@ template <unsigned Threads, class Storage, class T, class F>
 void block_primitive(const Site& site, Storage& storage, T& mine, F combine) {
     Block& block = Block::current();
     if (block.size() != Threads)
-        fail_in_kernel("%s for %u threads at %s:%d, in a block of %u", site.what, Threads, site.file, site.line,
+        fail_in_kernel("%s at %s:%d is for %u threads, but the block has %u", site.what, site.file, site.line, Threads,
                        block.size());
     check_in_shared(site, storage);
     storage.touch();
@@ -54,7 +54,7 @@ void block_primitive(const Site& site, Storage& storage, T& mine, F combine) {
         for (unsigned i = 0; i < Threads; ++i) {
             all[i] = uses[i].mine;
             if (uses[i].storage != &storage)
-                fail_in_kernel("%s at %s:%d: threads name different storage", site.what, site.file, site.line);
+                fail_in_kernel("%s at %s:%d: threads pass different storage", site.what, site.file, site.line);
         }
         combine(all);
         block.random().fill(&storage, sizeof storage);
@@ -77,7 +77,7 @@ void warp_primitive(const Site& site, Storage& storage, T& mine, F combine) {
         for (unsigned i = 0; i < Lanes; ++i) {
             all[i] = uses[first + i].mine;
             if (uses[first + i].storage != &storage)
-                fail_in_kernel("%s at %s:%d: lanes name different storage", site.what, site.file, site.line);
+                fail_in_kernel("%s at %s:%d: lanes pass different storage", site.what, site.file, site.line);
         }
         combine(all);
         block.random().fill(&storage, sizeof storage);

@@ -21,7 +21,7 @@
     X(cudaErrorIllegalState, 401, "wrong state for this call")                                 \
     X(cudaErrorNotReady, 600, "not ready")                                                     \
     X(cudaErrorIllegalAddress, 700, "illegal memory access")                                   \
-    X(cudaErrorLaunchOutOfResources, 701, "too many resources asked for a launch")             \
+    X(cudaErrorLaunchOutOfResources, 701, "too many resources requested for a launch")         \
     X(cudaErrorHostMemoryAlreadyRegistered, 712, "memory is pinned already")                   \
     X(cudaErrorHostMemoryNotRegistered, 713, "memory is not pinned")                           \
     X(cudaErrorLaunchFailure, 719, "launch failed")                                            \

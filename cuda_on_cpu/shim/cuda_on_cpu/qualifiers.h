@@ -12,4 +12,4 @@
 
 // A __shared__ variable would exist once, not once per block, without rubbish in it and without a guard page behind it.
 #define __shared__ \
-    static_assert(false, "put shared variables into one struct, and ask dynamic_shared<Struct>() for it");
+    static_assert(false, "put shared variables into one struct, and get it from dynamic_shared<Struct>()");

@@ -13,7 +13,7 @@ T& dynamic_shared() {
     static_assert(alignof(T) <= 16, "dynamic shared memory is aligned to 16 bytes, not more");
     const Block& block = Block::current();
     if (block.shared_bytes() < sizeof(T))
-        fail_in_kernel("asks for %zu bytes of dynamic shared memory, but the launch gave %zu", sizeof(T),
+        fail_in_kernel("requests %zu bytes of dynamic shared memory, but the launch has %zu", sizeof(T),
                        block.shared_bytes());
     return *reinterpret_cast<T*>(block.shared());
 }

@@ -68,8 +68,8 @@ struct Segment {
     int lane, first, width;
     Segment(const Site& site, int width_) : width(width_) {
         if (width < 1 || width > 32 || (width & (width - 1)) != 0)
-            fail_in_kernel("%s at %s:%d: the width %d is no power of two from 1 to 32", site.what, site.file, site.line,
-                           width);
+            fail_in_kernel("%s at %s:%d: the width %d is not a power of two from 1 to 32", site.what, site.file,
+                           site.line, width);
         lane = static_cast<int>(Block::current().rank() % warp_size);
         first = lane / width * width;
     }

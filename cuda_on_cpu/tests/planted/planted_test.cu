@@ -210,7 +210,7 @@ TEST_F(Planted, endless_spinning_is_reported_as_deadlock) {
 }
 TEST_F(Planted, too_little_shared_memory_is_refused) {
     EXPECT_DEATH(run(mirror, false, threads, sizeof(Items) - 1),
-                 "asks for 256 bytes of dynamic shared memory.*gave 255");
+                 "requests 256 bytes of dynamic shared memory.*launch has 255");
 }
 TEST_F(Planted, block_primitive_for_another_block_size_is_refused) {
     const Array<int> out(128);
@@ -219,7 +219,7 @@ TEST_F(Planted, block_primitive_for_another_block_size_is_refused) {
             launch(scan_of_64, 1, 128, 1024, out.data());
             cudaDeviceSynchronize();
         },
-        "BlockScan for 64 threads at .* in a block of 128");
+        "BlockScan at .* is for 64 threads, but the block has 128");
 }
 
 // Found by guard pages and canaries or, in builds with AddressSanitizer, to the byte.
@@ -259,7 +259,7 @@ TEST_F(Planted, write_past_a_device_allocation_is_found) {
                  sanitized ? "Sanitizer" : "112 bytes past the end of an allocation of 400 bytes");
     EXPECT_DEATH(write_global_at(100), cuda_on_cpu::address_sanitizer
                                            ? "heap-buffer-overflow"
-                                           : "0 bytes past the end of an allocation of 400 bytes were written");
+                                           : "memory 0 bytes past the end of an allocation of 400 bytes was written");
 }
 TEST_F(Planted, write_to_freed_device_memory_is_found) {
     const auto body = [] {
@@ -285,8 +285,7 @@ TEST_F(Planted, write_before_the_stream_allocates_memory_is_found) {
         check(cudaStreamDestroy(second));
     };
     body(false);
-    EXPECT_DEATH(body(true),
-                 sanitized ? "use-after-poison|SEGV" : "an allocation whose turn in its stream has not come");
+    EXPECT_DEATH(body(true), sanitized ? "use-after-poison|SEGV" : "byte 28 of a pending stream-ordered allocation");
 }
 TEST_F(Planted, stack_overflow_is_found) {
     const auto body = [](int depth) {

@@ -30,7 +30,7 @@ __global__ void count(unsigned long long* total, int* blocks, float* sum, double
     }
 }
 
-TEST_F(Atomics, add_up_over_many_blocks) {
+TEST_F(Atomics, atomics_add_up_over_many_blocks) {
     const Array<unsigned long long> total(std::vector<unsigned long long>{7});
     const Array<int> blocks(std::vector<int>{0});
     const Array<float> sum(std::vector<float>{0});

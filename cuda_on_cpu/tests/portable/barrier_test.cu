@@ -26,7 +26,7 @@ __global__ void reverse(const int* in, int* out) {
     out[base + i] = s.items[n - 1 - i];
 }
 
-TEST_F(Barrier, orders_shared_memory) {
+TEST_F(Barrier, barrier_orders_shared_memory) {
     for (const int threads : {1, 31, 32, 33, 64, 80, 256, 1024}) {
         std::vector<int> in(static_cast<std::size_t>(threads) * 5);
         std::iota(in.begin(), in.end(), 100);
@@ -56,7 +56,7 @@ __global__ void sum_by_halves(const int* in, int* out, int rounds) {
     out[i] = total;
 }
 
-TEST_F(Barrier, separates_the_rounds_of_a_loop) {
+TEST_F(Barrier, barrier_separates_the_rounds_of_a_loop) {
     for (const int threads : {64, 256}) {
         const Array<int> in(std::vector<int>(static_cast<std::size_t>(threads), 2)),
             out(static_cast<std::size_t>(threads));
@@ -73,7 +73,7 @@ __global__ void votes(int* out) {
     out[i] = count * 16 + (any != 0) * 8 + (none != 0) * 4 + (all != 0) * 2 + (not_all != 0);
 }
 
-TEST_F(Barrier, counts_a_predicate) {
+TEST_F(Barrier, barrier_counts_a_predicate) {
     const Array<int> out(70);
     launch(votes, 1, 70, 0, out.data());
     EXPECT_EQ(out.values(), std::vector<int>(70, 24 * 16 + 8 + 2));

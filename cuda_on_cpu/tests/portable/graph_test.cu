@@ -169,7 +169,7 @@ TEST_F(Graph, copies_fills_and_scans_can_be_captured) {
     check(cudaFreeHost(pinned));
 }
 
-TEST_F(Graph, events_fork_and_join) {
+TEST_F(Graph, events_fork_and_join_streams_of_a_capture) {
     const Array<int> x(std::vector<int>{1}), y(std::vector<int>{2});
     begin();
     check(try_launch(stream, step, 1, 1, 0, x.data(), 1));
@@ -246,7 +246,7 @@ TEST_F(Graph, legacy_stream_copy_spares_captures_of_non_blocking_streams) {
     check(cudaGraphDestroy(end()));
 }
 
-TEST_F(Graph, some_calls_spoil_a_capture_of_their_thread) {
+TEST_F(Graph, capture_is_spoilt_only_by_calls_that_are_refused) {
     for_each_call([&](auto ask, bool spoils) {
         begin();
         const bool refused = ask() != cudaSuccess;

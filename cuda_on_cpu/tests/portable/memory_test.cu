@@ -75,7 +75,7 @@ TEST_F(Memory, allocations_are_aligned_and_empty_ones_are_null) {
     EXPECT_EQ(cudaGetLastError(), cudaErrorMemoryAllocation);
 }
 
-TEST_F(Memory, copies_work_in_every_direction) {
+TEST_F(Memory, copies_in_every_direction_keep_the_bytes) {
     std::vector<int> in(100), out(100);
     std::iota(in.begin(), in.end(), 0);
     const Array<int> a(100), b(100);

@@ -25,7 +25,7 @@ __global__ void vote(unsigned* out) {
     out[blockDim.x + i] = static_cast<unsigned>(__any_sync(mask, i == 70) != 0) * 2 + (__all_sync(mask, i < 64) != 0);
 }
 
-TEST_F(Warp, votes_work_in_whole_and_partial_warps) {
+TEST_F(Warp, votes_are_right_in_whole_and_partial_warps) {
     const unsigned n = 80;  // the third warp has 16 lanes
     const Array<unsigned> out(2 * n);
     launch(vote, 1, n, 0, out.data());

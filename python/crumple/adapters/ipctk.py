@@ -196,7 +196,7 @@ class BroadPhase(ipctk.BroadPhase):
             raise InvalidInput(f"edge {point[0]} names vertex {self._edges[point[0], 0]} twice")
         again = np.flatnonzero(self._sorted[1:] == self._sorted[:-1])
         if len(again):
-            raise InvalidInput(f"edges {self._order[again[0]]} and {self._order[again[0] + 1]} are one edge")
+            raise InvalidInput(f"edges {self._order[again[0]]} and {self._order[again[0] + 1]} are the same edge")
 
     def _numbers(self, edges: np.ndarray) -> np.ndarray:
         """Returns the index of each of `edges` among the edges passed to build(), or -1 if it is not one of them."""
@@ -238,7 +238,9 @@ class BroadPhase(ipctk.BroadPhase):
 
     def _intersecting(self) -> tuple[np.ndarray, np.ndarray]:
         if self._end is not None:
-            raise NotImplementedError("edges against faces are searched at one moment, not between two")
+            raise NotImplementedError(
+                "edge-face and face-face candidates of a step are not supported: build with positions at one time"
+            )
         faces = np.concatenate([self._faces, self._loose_edges()])
         return faces, self.detector.intersections(self._start, faces).pairs.astype(np.int64)
 
@@ -295,7 +297,7 @@ class NarrowPhaseCCD(ipctk.NarrowPhaseCCD):
         super().__init__()
         if ipctk.get_num_threads() != 1:
             raise InvalidInput(
-                "ipctk.set_num_threads(1) must come before NarrowPhaseCCD: with more threads it would hang"
+                "call ipctk.set_num_threads(1) before NarrowPhaseCCD, which would hang with more threads"
             )
         self.min_distance_share = min_distance_share
 

@@ -179,7 +179,7 @@ class SelfContactDetector:
         wanted = set(map(tuple, edges.tolist()))
         for i, edge in enumerate(map(tuple, self._edges.tolist())):
             if edge not in wanted:
-                return f", and edge {i}, {edge}, is none of them, or listed again"
+                return f", and edge {i}, {edge}, is not one of them, or is listed twice"
             wanted.remove(edge)
         return f", and {min(wanted)} is missing"
 
@@ -187,7 +187,7 @@ class SelfContactDetector:
 def _counted(offsets: NDArray[np.int64]) -> tuple[NDArray[np.int32], ...]:
     """Returns offsets, buffer sizes and counts of entries as int32, from offsets. Buffer sizes are equal to counts."""
     if offsets[-1] > np.iinfo(np.int32).max // 2:
-        raise InvalidInput(f"{offsets[-1]} pairs are more than int32 can count: a smaller radius has fewer")
+        raise InvalidInput(f"{offsets[-1]} pairs do not fit int32; use a smaller radius")
     counts = np.diff(offsets).astype(np.int32)
     return offsets.astype(np.int32), counts, counts.copy()
 

@@ -83,7 +83,7 @@ BorrowedLocalMesh::BorrowedLocalMesh(const RankDetector& detector, const nb::tup
       triangle_ids(triangles, "triangle", mesh.view().triangles.rows),
       vertex_ids(vertices, "vertex", mesh.view().vertices.rows) {
     if (!given.attr("edges").is_none() || !given.attr("points").is_none())
-        refuse("listed edges and points are for one process");
+        refuse("edges and points of a mesh are not supported on ranks");
     const nb::object at_end = given.attr("end");
     if (!at_end.is_none()) end.emplace(at_end, mesh);
     const Options& own = detector.detector().options().detector;
@@ -114,7 +114,7 @@ void RankDetector::poll() {
 }
 
 void RankDetector::set_progress(nb::object show) {
-    if (calling_) refuse("a call of this crumple.mpi.Detector goes on, and it takes one at a time");
+    if (calling_) refuse("another call of this crumple.mpi.Detector is in progress; it takes one at a time");
     if (show.is_none())
         detector_.set_progress({});
     else
@@ -134,7 +134,7 @@ void RankDetector::show(const DistributedProgress& progress) {
 
 template <class Work>
 auto RankDetector::run_exclusively(Work work) {
-    if (calling_) refuse("a call of this crumple.mpi.Detector goes on, and it takes one at a time");
+    if (calling_) refuse("another call of this crumple.mpi.Detector is in progress; it takes one at a time");
     struct Turn {
         bool& calling;
         explicit Turn(bool& flag) : calling(flag) { calling = true; }
@@ -193,7 +193,7 @@ void make_query(Query* place, nb::handle given, nb::handle excluded) {
     Query query = read<Query>(given);
     if constexpr (std::is_same_v<Query, ProximityQuery>)
         if (!given.attr("radii").is_none() || !given.attr("rest").is_none())
-            refuse("radii and rest are for one process");
+            refuse("radii and rest are not supported on ranks");
     if (!excluded.is_none()) {
         nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu> pairs;
         if (!nb::try_cast(excluded, pairs)) throw std::logic_error("crumple/mpi.py gave no pairs of bodies");

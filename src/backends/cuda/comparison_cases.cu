@@ -179,7 +179,7 @@ std::string difference(const Arrays& a, const Decisions& found, IntersectionKind
     const std::span listed(found.beyond, std::min<Count>(*found.unresolved_count, case_count));
     std::ranges::sort(listed, {}, &Pair::a);
     if (*found.unresolved_count != beyond.size() || !std::ranges::equal(listed, beyond, {}, &Pair::a, &Pair::a))
-        return "the list of intersections that are undecided";
+        return "the list of unresolved intersections";
     return {};
 }
 
@@ -200,7 +200,7 @@ std::string difference(const Arrays& a, const ContactArrays& found) {
                 same = same && same_bits(found.loose[6 * i + k][axis], contact.points[k][static_cast<int>(axis)]);
         if (!same) return describe("the contact", i);
     }
-    return *found.open_count == open ? std::string() : "the list of contacts that are open";
+    return *found.open_count == open ? std::string() : "the list of unresolved contacts";
 }
 
 template <class Query>
@@ -228,7 +228,7 @@ std::string feature_difference(const Arrays& a, std::size_t which) {
     };
     compare.template operator()<FeatureKind::vertex_face>();
     compare.template operator()<FeatureKind::edge_edge>();
-    if (wrong.empty() && *found.unresolved_count != beyond) return "the list of features that are undecided";
+    if (wrong.empty() && *found.unresolved_count != beyond) return "the list of unresolved pairs of features";
     return wrong;
 }
 

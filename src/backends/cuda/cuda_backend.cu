@@ -154,7 +154,8 @@ class CudaBackend final : public BackendBase {
             const auto bodies = worlds_.bodies_of(world, query.filter, *this, growth);
             if (!bodies)
                 throw Error(ErrorCode::invalid_argument,
-                            "a launch takes at most 65535 worlds, and 16777216 triangles together");
+                            "a launch supports at most 65535 worlds, and 16777216 triangles in all of them; find() "
+                            "supports more");
             finder_.pose(slot, bodies, world.device_poses, query.weld, query.output >= Output::pairs, growth);
             finder_.copy_from(query, growth);
         };
@@ -180,15 +181,19 @@ class CudaBackend final : public BackendBase {
                 worlds ? 2 : 1);
         } catch (const MemoryMeter::Exceeded&) {
             if (!worlds || state_.meter.limit > 0) throw;
-            throw Error(ErrorCode::device, "the device has no memory for all worlds at once");
+            throw Error(ErrorCode::device,
+                        "the device has no memory for all worlds of a launch at once; find() needs less");
         }
         return shown;
     }
     void download(LaunchNumber launch, Intersections& result) override {
         const DeviceIntersections& shown = shown_[launch % most_in_flight];
         if (!launches_.has_reported(launch) || shown.of_worlds)
-            throw Error(ErrorCode::invalid_argument, "download() needs a wait() for meshes before it");
-        if (!shown.complete) throw Error(ErrorCode::invalid_argument, "download() needs an answer that is complete");
+            throw Error(ErrorCode::invalid_argument,
+                        "download() is for launches of meshes, and must come right after their wait()");
+        if (!shown.complete)
+            throw Error(ErrorCode::invalid_argument,
+                        "download() needs a complete result; call launch() outside of the capture, and capture again");
         on_device([&] {
             finder_.download(result);
             result.statistics = shown.statistics;

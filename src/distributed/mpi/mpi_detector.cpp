@@ -32,7 +32,10 @@ class Communicator {
         int initialised = 0, finalised = 0;
         check_mpi(MPI_Initialized(&initialised), "MPI_Initialized");
         check_mpi(MPI_Finalized(&finalised), "MPI_Finalized");
-        if (!initialised || finalised) refuse("MPI is not initialised: call MPI_Init_thread before");
+        if (!initialised || finalised)
+            refuse(
+                "MPI is not initialised, or already finalised: make the detector between MPI_Init_thread and "
+                "MPI_Finalize");
         if (of == MPI_COMM_NULL) refuse("the communicator is MPI_COMM_NULL");
         check_mpi(MPI_Comm_dup(of, &own_), "MPI_Comm_dup");
         check_mpi(MPI_Comm_set_errhandler(own_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
@@ -130,7 +133,9 @@ struct Detector::Implementation {
         check_mpi(MPI_Query_thread(&level), "MPI_Query_thread");
         check_mpi(MPI_Is_thread_main(&main), "MPI_Is_thread_main");
         if (level < MPI_THREAD_SERIALIZED && !main)
-            refuse("this thread may not call MPI, which was initialised with less than MPI_THREAD_SERIALIZED");
+            refuse(
+                "this thread may not call MPI: use the thread that initialised MPI, or initialise MPI with "
+                "MPI_THREAD_SERIALIZED");
         if (level < MPI_THREAD_FUNNELED && detector.options().detector.threads != 1)
             refuse(
                 "MPI was initialised for a single thread: call MPI_Init_thread with MPI_THREAD_FUNNELED, or give the "

@@ -82,7 +82,7 @@ void AtomicFile::fail_to_create(int system_error) const {
     std::error_code error;
     const fs::file_status status = fs::status(folder, error);
     if (!fs::exists(status)) fail("there is no folder " + folder.string(), ENOENT);
-    if (!fs::is_directory(status)) fail(folder.string() + " is no folder", ENOTDIR);
+    if (!fs::is_directory(status)) fail(folder.string() + " is not a folder", ENOTDIR);
     fail("in the folder " + folder.string() + ": " + std::generic_category().message(system_error), system_error);
 }
 

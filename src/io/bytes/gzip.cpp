@@ -53,13 +53,13 @@ class Expander {
         size_ += room - stream_.avail_out;
         if (status == Z_MEM_ERROR) throw std::bad_alloc();
         if (status == Z_BUF_ERROR || (status == Z_OK && at_ == bytes_.size() && stream_.avail_out > 0))
-            fail("the gzip data ends before its end");
+            fail("the gzip data is truncated");
         if (status != Z_OK && status != Z_STREAM_END) fail("the gzip data is damaged");
         return status;
     }
 
     void begin_next_member() {
-        if (!is_gzip(bytes_.substr(at_))) fail("something else follows the gzip data");
+        if (!is_gzip(bytes_.substr(at_))) fail("other data follows the gzip data");
         inflateReset(&stream_);
     }
 
@@ -68,9 +68,7 @@ class Expander {
         out_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(2 * std::uint64_t{size_}, most_ + 1)));
     }
 
-    [[noreturn]] void fail_too_large() const {
-        fail("the file expands beyond measure: it is " + std::string(expansion_rule));
-    }
+    [[noreturn]] void fail_too_large() const { fail("the file expands too far: " + std::string(expansion_rule)); }
     /// Throws Error (format) that names the current byte of the compressed data.
     [[noreturn]] void fail(const std::string& what) const {
         const auto byte = static_cast<std::int64_t>(at_);

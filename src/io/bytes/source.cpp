@@ -71,7 +71,7 @@ void Source::expand_if_compressed() {
     try {
         bytes_ = expand_gzip(text(), name_);
     } catch (const std::bad_alloc&) {
-        fail_to_read(name_, "what it expands to does not fit in memory", ENOMEM);
+        fail_to_read(name_, "its expanded content does not fit in memory", ENOMEM);
     }
 }
 

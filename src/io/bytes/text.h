@@ -136,7 +136,7 @@ class Scanner {
     /// Throws Error unless the position is at the end of a word: that is, unless the whole word has been read as
     /// `what`.
     void end_word(const char* what = "an integer") const {
-        if (p_ != end_of_word()) fail("in " + std::string(what) + ": " + in_quotes(rest_of_word()) + " is left over");
+        if (p_ != end_of_word()) fail("unexpected " + in_quotes(rest_of_word()) + " in " + what);
     }
 
     /// If `c` is the next character after any blanks, skips both and returns true; else changes nothing.

@@ -57,7 +57,7 @@ struct XmlReader::Callbacks {
         guard(self, [&](XmlReader& reader) { reader.declare_namespace(prefix, name); });
     }
     static void refuse_doctype(void* self, const char*, const char*, const char*, int) {
-        guard(self, [](const XmlReader& reader) { reader.fail("a DOCTYPE, which is not read"); });
+        guard(self, [](const XmlReader& reader) { reader.fail("a DOCTYPE is not supported"); });
     }
 };
 
@@ -88,7 +88,7 @@ void XmlReader::parse_all(const std::function<std::size_t(char*, std::size_t)>& 
         if (status != XML_STATUS_OK) {
             const XML_Error error = XML_GetErrorCode(parser_);
             if (error == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
-            fail(std::string("this is no XML: ") + XML_ErrorString(error));
+            fail(std::string("this is not valid XML: ") + XML_ErrorString(error));
         }
         if (fed - XML_GetCurrentByteIndex(parser_) > longest_tag) fail("a tag or comment is longer than 1 MiB");
     }

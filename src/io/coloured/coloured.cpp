@@ -56,7 +56,7 @@ ColouredMesh join(const TriangleMesh& mesh, const TriangleMesh* second, const In
         },
         result.mesh.vertices);
     if (result.mesh.vertex_count() > INT32_MAX) {
-        throw Error(ErrorCode::invalid_argument, "more vertices than 32-bit ids can name");
+        throw Error(ErrorCode::invalid_argument, "the meshes have more vertices than 32-bit ids can number");
     }
     append(result.mesh.triangles, second->triangles, mesh.vertex_count());
     if (of_polygons) {
@@ -78,8 +78,8 @@ ColouredMesh join(const TriangleMesh& mesh, const TriangleMesh* second, const In
 void check_hits(const TriangleMesh& mesh, const Array<std::uint8_t>& hit) {
     const auto hits = static_cast<std::int64_t>(hit.size());
     if (hits != mesh.triangle_count() && hits != polygon_count(mesh)) {
-        throw Error(ErrorCode::invalid_argument, "the collisions are of " + std::to_string(hit.size()) +
-                                                     " triangles, the mesh has " +
+        throw Error(ErrorCode::invalid_argument, "the collisions are for " + std::to_string(hit.size()) +
+                                                     " triangles, but the mesh has " +
                                                      std::to_string(mesh.triangle_count()));
     }
 }
@@ -91,7 +91,8 @@ void check_materials(const std::filesystem::path& path) {
     std::string first_line;
     if (!in || (std::getline(in, first_line) && first_line == title_of_materials)) return;
     throw Error(ErrorCode::file,
-                "cannot write " + path.string() + ": it holds the materials of another mesh; choose another name",
+                "cannot write " + path.string() +
+                    ": Crumple has not written this file, and does not replace it; choose another name",
                 Element::none, -1, 0, EEXIST);
 }
 

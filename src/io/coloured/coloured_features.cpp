@@ -59,7 +59,7 @@ class Least {
 
    private:
     [[noreturn]] static void foreign() {
-        throw Error(ErrorCode::invalid_argument, "the answer names features that the mesh does not have");
+        throw Error(ErrorCode::invalid_argument, "the result refers to features that the mesh does not have");
     }
     static void lower(std::vector<double>& values, std::int32_t index, double value) {
         if (index < 0 || static_cast<std::size_t>(index) >= values.size()) foreign();
@@ -75,7 +75,7 @@ class Least {
 void add(std::vector<Least>& meshes, const FeatureRow& row, double value) {
     const auto mesh = [&](std::int32_t body) -> Least& {
         if (body < 0 || static_cast<std::size_t>(body) >= meshes.size())
-            throw Error(ErrorCode::invalid_argument, "the answer names a body that is not there");
+            throw Error(ErrorCode::invalid_argument, "the result refers to a body for which there is no mesh");
         return meshes[static_cast<std::size_t>(body)];
     };
     Least &first = mesh(row.bodies.first), &second = mesh(row.bodies.second);

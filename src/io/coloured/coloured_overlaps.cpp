@@ -56,7 +56,7 @@ void check(const WorldMesh& world, const Overlaps& overlaps) {
     const bool has_relations = overlaps.relation.empty() || overlaps.relation.size() == overlaps.bodies.size();
     if (!fits || !has_relations || (overlaps.any && overlaps.bodies.empty()))
         throw Error(ErrorCode::invalid_argument,
-                    "the overlaps are not those of this world, or without rows (Output::body_pairs or more)");
+                    "the overlaps are not those of this world, or have no rows; request Output::body_pairs or more");
 }
 
 TriangleMesh posed_shape(const WorldMesh& world, const NamedBody& body) {

@@ -24,7 +24,7 @@ void check(const WorldMesh& world, const Intersections& collisions) {
         collisions.first_triangle.size() != world.bodies.size() + 1 ||
         collisions.pairs.size() != collisions.bodies.size())
         throw Error(ErrorCode::invalid_argument,
-                    "the collisions are not those of this world, or without hit flags (IntersectionQuery::index)");
+                    "the collisions are not those of this world, or have no hit flags; set IntersectionQuery::index");
 }
 
 /// Converts collisions of a world to collisions of the mesh that posed_mesh() returns.

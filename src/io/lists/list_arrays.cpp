@@ -15,7 +15,8 @@ void ArrayChecker::add(double number) {
     } else if (number >= 0 && number <= INT32_MAX && number == std::floor(number)) {
         to_.ids.push_back(static_cast<std::int32_t>(number));
     } else {
-        fail(row_name(array_, count_ / array_.width) + (array_.row_noun.empty() ? ": this is no " : " names no ") +
+        fail(row_name(array_, count_ / array_.width) +
+             (array_.row_noun.empty() ? ": this is not a valid " : " names no ") +
              std::string(array_.nouns[count_ % array_.width]));
     }
     ++count_;

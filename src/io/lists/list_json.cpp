@@ -98,7 +98,8 @@ class ArraysHandler : public nlohmann::json_sax<nlohmann::json> {
     [[noreturn]] void fail() const {
         const std::size_t row = row_end_ ? row_end_ / width() - 1 : inside_->count() / width();
         const std::string numbers = (width() == 2 ? "two" : std::to_string(width())) + " numbers";
-        inside_->fail(row_name(inside_->array(), row) + " is no " + (width() == 1 ? "number" : "array of " + numbers));
+        inside_->fail(row_name(inside_->array(), row) + " is not " +
+                      (width() == 1 ? "a number" : "an array of " + numbers));
     }
 
     const Source& source_;

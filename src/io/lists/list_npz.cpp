@@ -25,7 +25,7 @@ void read_array(Npy& npy, ArrayChecker& to) {
     const std::size_t width = to.array().width;
     const auto fail = [&](const std::string& what) { to.fail("the array '" + to.array().name + "' " + what); };
     const std::optional<NpyHeader> header = read_npy_header(npy);
-    if (!header) return fail("is no array of NumPy");
+    if (!header) return fail("is not a NumPy array");
     const std::string& kind = header->kind;
     const std::vector<std::int64_t>& shape = header->shape;
     const bool fits =

@@ -158,11 +158,12 @@ class OverlapReader {
         }
         const auto relation = std::get<std::string_view>(values[2]);
         const auto found = std::find(relation_names.begin(), relation_names.end(), relation);
-        if (found == relation_names.end()) return in_quotes(relation) + " is no relation of two bodies";
+        if (found == relation_names.end()) return in_quotes(relation) + " is not a relation of two bodies";
         row.relation = static_cast<OverlapRelation>(found - relation_names.begin());
         const std::span<const ListValue> numbers = values.subspan(3);
         if (!numbers.empty() && numbers.size() < overlap_number_count)
-            return "after its relation a row has all " + std::to_string(overlap_number_count) + " numbers, or none";
+            return "after its relation a row must have all " + std::to_string(overlap_number_count) +
+                   " numbers, or none";
         if (list_.rows.empty()) list_.has_numbers = !numbers.empty();
         if (list_.has_numbers == numbers.empty()) return "some rows have numbers and some do not";
         for (std::size_t i = 0; i < numbers.size(); ++i) row.numbers[i] = std::get<double>(numbers[i]);
@@ -181,7 +182,7 @@ class OverlapReader {
         for (std::size_t i = 0; i < list_.rows.size(); ++i) {
             list_.rows[i].bodies = {body(2 * i), body(2 * i + 1)};
             const auto relation = std::find(all_relations.begin(), all_relations.end(), relations[i]);
-            if (relation == all_relations.end()) fail_at(relation_array, i, "this is no relation of two bodies");
+            if (relation == all_relations.end()) fail_at(relation_array, i, "this is not a relation of two bodies");
             list_.rows[i].relation = static_cast<OverlapRelation>(relation - all_relations.begin());
         }
         if (list_.has_configurations) {

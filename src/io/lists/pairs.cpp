@@ -140,7 +140,8 @@ PairWriter& PairWriter::operator=(PairWriter&&) noexcept = default;
 void PairWriter::add(const Intersections& block) {
     const ListTable table = table_of(block);
     if (implementation_->contacts != has_contacts(block) && !block.pairs.empty())
-        throw Error(ErrorCode::invalid_argument, "a block has contacts, or lacks them, unlike what was announced");
+        throw Error(ErrorCode::invalid_argument,
+                    "a block must have contacts if contacts were announced, and none if not");
     implementation_->writer.add(table);
 }
 

@@ -10,9 +10,10 @@ namespace {
 /// Returns what is wrong with the value of a row, or an empty text.
 std::string check_value(const FeatureRow& row, const FeatureWords& words) {
     const bool motion = words.value == impact_words.value;
-    if (motion && !(row.value >= 0 && row.value <= 1)) return "a time of contact lies in [0, 1]";
-    if (!(row.value >= 0)) return "a squared distance is 0 or more";
-    if (row.flag && row.value != 0) return "what touches has " + std::string(words.value) + " 0";
+    if (motion && !(row.value >= 0 && row.value <= 1)) return "a time of contact must lie in [0, 1]";
+    if (!(row.value >= 0)) return "a squared distance must be 0 or more";
+    if (row.flag && row.value != 0)
+        return "a row with " + std::string(words.flag) + " 1 must have " + std::string(words.value) + " 0";
     return {};
 }
 
@@ -65,7 +66,7 @@ class FeatureReader {
     void add(const NumbersByName& numbers) {
         const auto has = [&](CandidateKind kind) { return find(numbers, in_files(kind).array) != nullptr; };
         if (!words_.has_values() && std::none_of(kinds_.begin(), kinds_.end(), has))
-            fail("there is none of the arrays \"vertex_faces\", \"edge_edges\" and so on");
+            fail("it has none of the arrays \"vertex_faces\", \"edge_edges\" and so on");
         for (const CandidateKind kind : kinds_) {
             // Some kinds may have no arrays in the file. Lists of candidates have only the requested kinds. Lists of
             // impacts and near pairs may lack pairs of codimensional features and pairs of triangles, and lists of

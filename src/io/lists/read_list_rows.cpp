@@ -125,10 +125,10 @@ class RowReader {
         std::string names;
         for (std::size_t i = 0; i < sections.size(); ++i) {
             if (word == sections[i].keyword) return i;
-            names += i == 0 ? "" : i + 1 == sections.size() ? " and " : ", ";
+            names += i == 0 ? "" : i + 1 == sections.size() ? " or " : ", ";
             names += sections[i].keyword;
         }
-        fail(in_quotes(word) + " is none of " + names);
+        fail(in_quotes(word) + " is not " + names);
     }
 
     /// Picks from all columns the words that belong to fields of the row's section, and consumes the row. Words in
@@ -137,14 +137,14 @@ class RowReader {
         const std::size_t section = section_of(words_[0]), most = table_.columns.size();
         const std::size_t least = most - table_.may_lack;
         if (!table_.may_have_more && (words_.size() < least || words_.size() > most))
-            fail(std::to_string(words_.size()) + " columns in place of " + std::to_string(most));
+            fail("the row has " + std::to_string(words_.size()) + " columns instead of " + std::to_string(most));
         picked_.clear();
         for (const ListField& field : table_.sections[section].fields) {
             if (field.column >= words_.size()) break;
             picked_.push_back(std::exchange(words_[field.column], {}));
         }
         for (std::size_t i = has_keywords() ? 1 : 0; i < std::min(most, words_.size()); ++i)
-            if (!words_[i].empty()) fail(in_quotes(words_[i]) + " is in a column of another kind");
+            if (!words_[i].empty()) fail(in_quotes(words_[i]) + " is in a column that this kind does not use");
         take(section, picked_);
     }
 
@@ -155,7 +155,7 @@ class RowReader {
         for (std::size_t i = 0; i < std::min(words.size(), fields.size()); ++i)
             values_.push_back(value_of(words[i], fields[i]));
         if (words.size() > fields.size() && !table_.may_have_more)
-            fail(in_quotes(words[fields.size()]) + " is left over");
+            fail("unexpected " + in_quotes(words[fields.size()]) + " after the last value");
         const std::string mistake = take_(section, values_);
         if (!mistake.empty()) fail(mistake);
     }
@@ -166,7 +166,7 @@ class RowReader {
         const auto ids =
             std::count_if(fields.begin(), fields.end(), [](const ListField& f) { return !f.noun.empty(); });
         const bool more = static_cast<std::size_t>(ids) < fields.size();
-        fail("`" + std::string(keyword) + "` is followed by " + std::to_string(ids) + " ids" +
+        fail("`" + std::string(keyword) + "` must be followed by " + std::to_string(ids) + " ids" +
              (more ? " and a number" : ""));
     }
 
@@ -175,7 +175,7 @@ class RowReader {
             case FieldType::number:
                 if (word.empty() && field.may_be_nan) return std::numeric_limits<double>::quiet_NaN();
                 if (const auto number = number_of(word)) return *number;
-                fail(in_quotes(word) + " is no number");
+                fail(in_quotes(word) + " is not a number");
             case FieldType::flag:
                 if (word == "0" || word == "1") return word == "1";
                 fail(in_quotes(word) + " is neither 0 nor 1");

@@ -45,7 +45,7 @@ struct FeatureWriter::Implementation {
     void add(const Block& block, ListKind of) {
         if (of != kind)
             throw Error(ErrorCode::invalid_argument,
-                        std::string(words_of(kind).what) + " were announced, but a block is of another answer");
+                        std::string(words_of(kind).what) + " were announced, but a block has rows of another kind");
         writer.add(table_of(block));
     }
 };

@@ -53,13 +53,13 @@ class Faces {
             const std::string sentence = what + faces.others();
             lines ? warnings.at_line(faces.first, sentence) : warnings.at_byte(faces.first, sentence);
         };
-        warn(left_out_, "a face has less than three corners and is left out");
+        warn(left_out_, "a face has fewer than three corners and is left out");
         if (triangulation == Triangulation::ears) {
             const WarningTally crossing = cut_polygons([&](std::int32_t corner) {
                 const Scalar* const p = &vertices[3 * static_cast<std::size_t>(corner)];
                 return Vec3d{double{p[0]}, double{p[1]}, double{p[2]}};
             });
-            warn(crossing, "a polygon crosses itself and is fanned");
+            warn(crossing, "a polygon crosses itself and becomes a fan");
         }
         TriangleMesh mesh{std::move(vertices), std::move(triangles_)};
         mesh.polygons = std::move(polygons_);

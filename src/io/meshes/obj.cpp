@@ -59,16 +59,17 @@ class ObjReader {
             } else if (options_.lines_and_points && statement == "p") {
                 read_points(place);
             } else if (is_one_of(surfaces, statement)) {
-                in_.fail(place, in_quotes(statement) + ": free-form surfaces are not read; convert them to polygons");
+                in_.fail(place,
+                         in_quotes(statement) + ": free-form surfaces are not supported; convert them to polygons");
             } else if (!is_one_of(skipped, statement)) {
-                if (!is_identifier(statement)) in_.fail(place, in_quotes(statement) + " is no statement");
+                if (!is_identifier(statement)) in_.fail(place, in_quotes(statement) + " is not a statement");
                 unknown.add(place);
                 if (unknown.count == 1) first_unknown = in_quotes(statement);
             }
         }
         if (furthest_ >= vertex_count()) fail_range(furthest_what_, furthest_place_, furthest_ + 1);
         if (unknown.count > 0) {
-            if (xyz_.empty()) in_.fail(unknown.first, first_unknown + " is no statement of an OBJ file");
+            if (xyz_.empty()) in_.fail(unknown.first, first_unknown + " is not a statement of an OBJ file");
             warnings_.at_line(unknown.first,
                               "the unknown statement " + first_unknown + " is skipped" + unknown.others());
         }
@@ -109,7 +110,7 @@ class ObjReader {
             if (vertices > 0) lines_.push_back({last, next});
             last = next;
         }
-        if (vertices < 2) in_.fail(place, "a line has " + std::to_string(vertices) + " vertices");
+        if (vertices < 2) in_.fail(place, "a line has fewer than two vertices");
     }
 
     void read_points(const char* place) {
@@ -124,7 +125,7 @@ class ObjReader {
         const std::int64_t written = in_.leading_integer("a vertex index");
         if (const std::string_view rest = in_.rest_of_word(); !rest.empty()) {
             if (!are_further_indices(rest))
-                in_.fail(place, std::string("a ") + what + "'s corner is none of v, v/vt, v//vn, v/vt/vn");
+                in_.fail(place, std::string("a ") + what + "'s corner must be v, v/vt, v//vn or v/vt/vn");
             in_.word();
         }
         const std::int64_t index = written > 0 ? written - 1 : vertex_count() + written;

@@ -23,7 +23,7 @@ class OffReader {
         const std::int64_t vertices = read_count("vertices", 6);  // at least 6 bytes each: "0 0 0" and a line end
         const std::int64_t faces = read_count("faces", 2);        // at least 2 bytes each: "0" and a line end
         if (!in_.finished()) in_.integer("a count of edges");     // never used, often wrong or missing
-        if (!in_.finished()) in_.fail("the line of counts goes on");
+        if (!in_.finished()) in_.fail("the line of counts has more than three numbers");
         in_.skip_line();
 
         std::vector<Scalar> xyz;
@@ -54,10 +54,11 @@ class OffReader {
         const std::string_view word = in_.rest_of_word();
         const std::size_t keyword = off_keyword(word);
         if (!keyword && word[0] >= '0' && word[0] <= '9') return;  // the keyword is optional
-        if (!keyword) in_.fail(in_quotes(word) + " instead of OFF");
-        if (word.substr(0, keyword).find_first_of("4n") != word.npos) in_.fail("only OFF in three dimensions is read");
+        if (!keyword) in_.fail("OFF is expected, not " + in_quotes(word));
+        if (word.substr(0, keyword).find_first_of("4n") != word.npos)
+            in_.fail("only OFF in three dimensions is supported");
         in_.skip_characters(keyword);
-        if (!in_.finished() && *in_.position() == 'B') in_.fail("binary OFF is not read");
+        if (!in_.finished() && *in_.position() == 'B') in_.fail("binary OFF is not supported");
         next_item("a count of vertices");
     }
 

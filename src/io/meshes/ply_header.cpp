@@ -45,7 +45,7 @@ class HeaderReader {
     explicit HeaderReader(const Source& source) : source_(source), next_(source.text_begin()) {}
 
     PlyHeader read() {
-        if (Words words = next_line(); words.size() != 1 || words[0] != "ply") fail("not a PLY file");
+        if (Words words = next_line(); words.size() != 1 || words[0] != "ply") fail("this is not a PLY file");
         bool has_format = false;
         while (true) {
             const Words words = next_line();
@@ -77,7 +77,7 @@ class HeaderReader {
                 line_end_ = *end == '\r' && end + 1 != source_.end() && end[1] == '\n' ? '\n' : *end;
             if (end != source_.end() && *end != line_end_) ++end;
         }
-        if (end == source_.end()) fail("the header has no end");
+        if (end == source_.end()) fail("the header has no line end_header");
         next_ = end + 1;
         return split({line_, static_cast<std::size_t>(end - line_)});
     }
@@ -95,7 +95,7 @@ class HeaderReader {
     }
 
     void read_element(const Words& words) {
-        if (words.size() != 3) fail("an element has a name and a count");
+        if (words.size() != 3) fail("an element must have a name and a count");
         PlyElement element{std::string(words[1]), 0, {}, line_};
         const char* const end = words[2].data() + words[2].size();
         const auto [stop, error] = std::from_chars(words[2].data(), end, element.count);
@@ -104,9 +104,9 @@ class HeaderReader {
     }
 
     void read_property(const Words& words) {
-        if (header_.elements.empty()) fail("a property before any element");
+        if (header_.elements.empty()) fail("a property precedes the first element");
         const bool list = words.size() == 5 && words[1] == "list";
-        if (!list && words.size() != 3) fail("a property has a type and a name");
+        if (!list && words.size() != 3) fail("a property must have a type and a name");
         PlyProperty property{std::string(words.back()), type(words[words.size() - 2]), {}};
         if (list) property.count_type = type(words[2]);
         if (list && !is_integer(*property.count_type)) fail("a list's count must be an integer");
@@ -134,7 +134,9 @@ const PlyProperty* PlyElement::find(const Source& source, std::initializer_list<
     const PlyProperty* found = nullptr;
     for (const PlyProperty& property : properties) {
         if (std::find(names.begin(), names.end(), property.name) == names.end()) continue;
-        if (found) source.fail_at_line(place, "element " + in_quotes(name) + " has two " + in_quotes(*names.begin()));
+        if (found)
+            source.fail_at_line(place,
+                                "element " + in_quotes(name) + " has two properties " + in_quotes(*names.begin()));
         found = &property;
     }
     return found;
@@ -144,7 +146,7 @@ const PlyElement* PlyHeader::find(const Source& source, std::string_view name) c
     const PlyElement* found = nullptr;
     for (const PlyElement& candidate : elements) {
         if (candidate.name != name) continue;
-        if (found) source.fail_at_line(candidate.place, "a second element " + in_quotes(name));
+        if (found) source.fail_at_line(candidate.place, "there is a second element " + in_quotes(name));
         found = &candidate;
     }
     return found;

@@ -154,7 +154,7 @@ std::optional<MeshSlice> read_ply_slice(RowFile& file, const Source& beginning, 
     if (!layout) return std::nullopt;
     MeshSlice slice{{layout->faces.count, readers}, {layout->vertices.count, readers}, {}, options.weld == Weld::yes};
     if (std::max(slice.triangles.rows, slice.vertices.rows) > INT32_MAX)
-        throw Error(ErrorCode::format, file.name() + ": more vertices or triangles than 32-bit ids can name");
+        throw Error(ErrorCode::format, file.name() + ": it has more vertices or triangles than 32-bit ids can number");
     slice.mesh = in_precision(options.precision, layout->precision, [&](auto zero) {
         return TriangleMesh{read_vertices<decltype(zero)>(file, *layout, slice.vertices, reader), {}};
     });

@@ -169,7 +169,7 @@ class AsciiReader {
         return true;
     }
     [[noreturn]] void fail(const std::string& wanted) const {
-        in_.fail(place_, in_quotes(word_) + " instead of " + wanted);
+        in_.fail(place_, wanted + " is expected, not " + in_quotes(word_));
     }
 
     Scanner in_;
@@ -213,7 +213,8 @@ TriangleMesh read_stl(const Source& source, const ReadOptions& options, Warnings
     const std::size_t end = size < prologue_size ? SIZE_MAX : prologue_size + record_size * announced_count(source);
     if (end > size) source.fail_at_byte(place, "the file is too short for the triangles announced here");
     constexpr std::size_t most = INT32_MAX / 3;  // each triangle has three vertices, and vertex ids are int32
-    if (announced_count(source) > most) source.fail_at_byte(place, "more than " + std::to_string(most) + " triangles");
+    if (announced_count(source) > most)
+        source.fail_at_byte(place, "the file announces more than " + std::to_string(most) + " triangles");
     if (end < size) {
         warnings.at_byte(source.begin() + end,
                          std::to_string(size - end) + " bytes after the triangles that the file announces are skipped");

@@ -65,7 +65,7 @@ std::vector<Scalar> scaled(const std::vector<Scalar>& xyz, const Scale& scale) {
 }
 
 void check(Unit to) {
-    if (to == Unit::unknown) throw Error(ErrorCode::invalid_argument, "there is no conversion to an unknown unit");
+    if (to == Unit::unknown) throw Error(ErrorCode::invalid_argument, "cannot convert to an unknown unit");
 }
 
 }  // namespace
@@ -82,8 +82,8 @@ double metres_in(Unit unit) { return Scale(unit, Unit::metre)(1); }
 
 void check_same_unit(Unit a, Unit b) {
     if (a == b || a == Unit::unknown || b == Unit::unknown) return;
-    throw Error(ErrorCode::invalid_argument,
-                std::string("the meshes are in different units, ") + name_of(a) + " and " + name_of(b));
+    throw Error(ErrorCode::invalid_argument, std::string("the meshes are in different units, ") + name_of(a) + " and " +
+                                                 name_of(b) + "; convert one of them");
 }
 
 const char* name_of(Unit unit) { return unit == Unit::unknown ? "unknown" : length_of(unit).name; }
@@ -91,7 +91,7 @@ const char* name_of(Unit unit) { return unit == Unit::unknown ? "unknown" : leng
 Unit unit_named(std::string_view name) {
     for (const Length& length : lengths)
         if (name == length.name || name == length.in_3mf || name == length.english) return length.unit;
-    throw Error(ErrorCode::invalid_argument, "'" + std::string(name) + "' is no unit: um, mm, cm, in, ft or m",
+    throw Error(ErrorCode::invalid_argument, "'" + std::string(name) + "' is not a unit: use um, mm, cm, in, ft or m",
                 Element::option);
 }
 

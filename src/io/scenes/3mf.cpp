@@ -64,7 +64,7 @@ class Assembler {
         if (std::find(path_.begin(), path_.end(), &object) != path_.end()) fail(named + " is a component of itself");
         if (path_.size() == deepest) fail("components are nested more than " + std::to_string(deepest) + " deep");
         if (++references_ > std::max(always_named, package_.expanded()))
-            fail("the build names more than 65536 objects, and than the file has bytes");
+            fail("the build refers to more than 65536 objects, and to more than the file has bytes");
         const Pose pose = product(outer, reference.pose);
         if (!is_finite(pose)) fail(named + " has a transform that is not finite");
         if (!object.name.empty()) name = object.name;
@@ -96,8 +96,8 @@ class Assembler {
             other_units += part.model.unit != unit;
         }
         if (other_units)
-            warnings_.of_file(std::to_string(other_units) + " of its parts have another unit than " + in_quotes(root_) +
-                              ", and coordinates are taken as they are");
+            warnings_.of_file(std::to_string(other_units) + " of its parts have a unit other than that of " +
+                              in_quotes(root_) + ", and their coordinates are not converted");
         if (left_out) warnings_.of_file(std::to_string(left_out) + " of its meshes are not in the build");
         if (beams) warnings_.of_file(std::to_string(beams) + " of its meshes have beams, which are skipped");
     }

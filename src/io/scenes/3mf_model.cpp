@@ -86,7 +86,7 @@ class ModelReader : public XmlReader {
         const std::string_view name = of_core ? element.substr(core.size() + 1) : "";
         switch (outer) {
             case Within::document:
-                if (name != "model") fail("the document is no 3MF model, but " + in_quotes(element));
+                if (name != "model") fail("the document is not a 3MF model, but " + in_quotes(element));
                 begin_model(attributes);
                 return Within::model;
             case Within::model:
@@ -124,12 +124,11 @@ class ModelReader : public XmlReader {
             if (found == namespaces_.end()) fail("a required extension, " + in_quotes(prefix) + ", has no namespace");
             if (std::find(std::begin(supported_extensions), std::end(supported_extensions), found->second) ==
                 std::end(supported_extensions))
-                fail("the extension " + in_quotes(found->second, longest_namespace) +
-                     " is required, which is not read");
+                fail("the required extension " + in_quotes(found->second, longest_namespace) + " is not supported");
         }
         const std::string_view unit = trimmed(attributes.find("unit").value_or(name_in_3mf(Unit::millimetre)));
         const auto found = unit_in_3mf(unit);
-        if (!found) fail(in_quotes(unit) + " is no unit of 3MF");
+        if (!found) fail(in_quotes(unit) + " is not a unit of 3MF");
         model_.unit = *found;
     }
 
@@ -138,7 +137,7 @@ class ModelReader : public XmlReader {
         constexpr std::string_view types[] = {"model", "solidsupport", "support", "surface", "other"};
         const std::string_view type = trimmed(attributes.find("type").value_or("model"));
         if (std::find(std::begin(types), std::end(types), type) == std::end(types))
-            fail("an object is of the type " + in_quotes(type) + ", which 3MF does not know");
+            fail("an object has the type " + in_quotes(type) + ", which 3MF does not define");
         const auto [at, is_new] = model_.objects.try_emplace(id, ModelObject{line()});
         if (!is_new)
             fail("there is an object " + std::to_string(id) + " already, in line " + std::to_string(at->second.line));
@@ -148,7 +147,7 @@ class ModelReader : public XmlReader {
 
     Within enter_object(std::string_view name) {
         if (name != "mesh" && name != "components") return Within::other;
-        if (object_->mesh || !object_->components.empty()) fail("an object holds more than a mesh, or than components");
+        if (object_->mesh || !object_->components.empty()) fail("an object must hold either one mesh or components");
         if (name == "components") return Within::components;
         object_->mesh = model_.meshes.size();
         xyz_.clear();
@@ -165,7 +164,7 @@ class ModelReader : public XmlReader {
     }
 
     void add_vertex(const XmlAttributes& attributes) {
-        if (xyz_.size() / 3 >= INT32_MAX) fail("more vertices than 32-bit ids can name");
+        if (xyz_.size() / 3 >= INT32_MAX) fail("a mesh has more vertices than 32-bit ids can number");
         for (const char* const axis : {"x", "y", "z"})
             xyz_.push_back(real<Scalar>(required("a vertex", attributes, axis)));
     }
@@ -192,7 +191,7 @@ class ModelReader : public XmlReader {
         std::array<double, 12> m{};
         for (double& value : m) {
             const std::string_view word = next_word(text);
-            if (word.empty()) fail("a transform has less than 12 numbers");
+            if (word.empty()) fail("a transform has fewer than 12 numbers");
             value = real<double>(word);
         }
         if (!next_word(text).empty()) fail("a transform has more than 12 numbers");
@@ -214,7 +213,7 @@ class ModelReader : public XmlReader {
         std::uint32_t value = 0;
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
         if (error != std::errc() || end != word.data() + word.size())
-            fail(std::string(name) + " of " + element + " is " + in_quotes(word) + ", which is no index");
+            fail(std::string(name) + " of " + element + " is " + in_quotes(word) + ", which is not an index");
         return value;
     }
 

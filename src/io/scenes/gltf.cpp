@@ -35,7 +35,7 @@ class Reader {
         const GltfObject& root = file_.root();
         for (const std::string& extension : root.texts("extensionsRequired"))
             if (!is_harmless(extension))
-                root.fail("extensionsRequired", "names " + in_quotes(extension) + ", which is not read");
+                root.fail("extensionsRequired", "names " + in_quotes(extension) + ", which is not supported");
         nodes_ = root.size_of("nodes");
         poses_.resize(nodes_);
         seen_.assign(nodes_, false);
@@ -98,7 +98,7 @@ class Reader {
             steps.pop_back();
             const GltfObject object = node(step.node);
             if (seen_[step.node])
-                fail(object, "is named twice: as a root of the scene, by two nodes, or by one below it");
+                fail(object, "is referred to twice: by the scene, another node or its own descendant");
             seen_[step.node] = true;
             Pose& pose = poses_[step.node];
             pose = product(step.parent, transform_of(object));
@@ -134,7 +134,7 @@ class Reader {
     static void rotate(Pose& pose, const std::vector<double>& q, const GltfObject& node) {
         const double x = q[0], y = q[1], z = q[2], w = q[3];
         const double length2 = (x * x + y * y) + (z * z + w * w);
-        if (!(length2 > 0) || !std::isfinite(length2)) fail(node, "has a rotation without a direction");
+        if (!(length2 > 0) || !std::isfinite(length2)) fail(node, "has a rotation whose length is 0 or not finite");
         const auto part = [&](double sum) { return 2 * sum / length2; };
         pose.rows = {1 - part(y * y + z * z), part(x * y - z * w),     part(x * z + y * w),     0,
                      part(x * y + z * w),     1 - part(x * x + z * z), part(y * z - x * w),     0,

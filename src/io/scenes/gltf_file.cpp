@@ -89,15 +89,15 @@ GltfFile::GltfFile(const Source& source, std::optional<fs::path> folder, Warning
         document_ = nlohmann::json::parse(text.begin(), text.end());
     } catch (const nlohmann::json::parse_error& error) {
         const std::size_t place = std::min(error.byte ? error.byte - 1 : 0, text.size());
-        source.fail_at_byte(text.data() + place, "the description is no JSON from here on");
+        source.fail_at_byte(text.data() + place, "the description is not valid JSON from here on");
     } catch (const nlohmann::json::exception&) {
         source.fail_at_byte(text.data(), "the description holds a number beyond float64");
     }
     root_.emplace(source, document_, "");
     const auto asset = root_->object("asset");
-    if (!asset) root_->fail("asset", "is missing, so that this is no glTF 2.0");
+    if (!asset) root_->fail("asset", "is missing, so this is not glTF 2.0");
     const std::string version = asset->text("version");
-    if (!version.starts_with("2.")) asset->fail("version", "is " + in_quotes(version) + "; glTF 2.0 is read");
+    if (!version.starts_with("2.")) asset->fail("version", "is " + in_quotes(version) + "; only glTF 2.0 is supported");
     buffers_.resize(root_->size_of("buffers"));
 }
 
@@ -108,12 +108,13 @@ std::string_view GltfFile::read_container(Warnings& warnings) {
     if (text.size() < header_bytes) source_.fail_at_byte(source_.end(), "the file is truncated in its header");
     const std::uint32_t version = word_at(text.data() + 4);
     if (version != 2)
-        source_.fail_at_byte(text.data() + 4, "version " + std::to_string(version) + " of .glb; 2 is read");
+        source_.fail_at_byte(text.data() + 4,
+                             "this is version " + std::to_string(version) + " of .glb; only version 2 is supported");
     const std::size_t length = word_at(text.data() + 8);
     if (length > text.size())
         source_.fail_at_byte(source_.end(), "the file ends after " + std::to_string(text.size()) + " of " +
                                                 std::to_string(length) + " bytes");
-    if (length < text.size()) warnings.at_byte(text.data() + length, "what follows the announced bytes is skipped");
+    if (length < text.size()) warnings.at_byte(text.data() + length, "the data after the announced bytes is skipped");
 
     std::optional<std::string_view> json;
     for (std::size_t place = header_bytes; place < length;) {
@@ -121,7 +122,7 @@ std::string_view GltfFile::read_container(Warnings& warnings) {
         if (length - place < chunk_header_bytes || word_at(chunk) > length - place - chunk_header_bytes)
             source_.fail_at_byte(chunk, "a chunk is larger than what is left of the file");
         const std::string_view type(chunk + 4, 4), bytes(chunk + chunk_header_bytes, word_at(chunk));
-        if (!json && type != "JSON") source_.fail_at_byte(chunk, "the first chunk is no JSON");
+        if (!json && type != "JSON") source_.fail_at_byte(chunk, "the first chunk is not JSON");
         if (!json)
             json = bytes;
         else if (!chunk_ && type == std::string_view("BIN\0", 4))
@@ -135,7 +136,7 @@ std::string_view GltfFile::read_container(Warnings& warnings) {
 GltfObject GltfFile::item(const char* list, std::int64_t index, const GltfObject& from, const char* key) const {
     const std::size_t size = root_->size_of(list);
     if (static_cast<std::uint64_t>(index) >= size)
-        from.fail(key, "is " + std::to_string(index) + ", and there are " + std::to_string(size) + " " + list);
+        from.fail(key, "is " + std::to_string(index) + ", but there are " + std::to_string(size) + " " + list);
     return root_->object_of(list, static_cast<std::size_t>(index));
 }
 
@@ -155,7 +156,7 @@ GltfElements GltfFile::elements(const GltfObject& accessor, std::string_view typ
     if (found != type) accessor.fail("type", "is " + in_quotes(found) + ", not " + in_quotes(type));
     const std::int64_t component_type = accessor.required_integer("componentType");
     const std::size_t size = bytes_of(component_type) * (type == "VEC3" ? 3 : 1);
-    if (!size) accessor.fail("componentType", "is " + std::to_string(component_type) + ", which glTF does not know");
+    if (!size) accessor.fail("componentType", "is " + std::to_string(component_type) + ", which glTF does not define");
     const std::int64_t count = accessor.required_integer("count");
     const auto sparse = accessor.object("sparse");
     GltfElements result{nullptr, size, count, component_type};
@@ -172,7 +173,7 @@ GltfElements GltfFile::elements_in_view(const GltfObject& from, std::int64_t cou
     GltfElements result{nullptr, size, count, component_type};
     if (const auto stride = view.integer("byteStride")) {
         if (static_cast<std::uint64_t>(*stride) < size)
-            view.fail("byteStride", "is " + std::to_string(*stride) + ", and the elements of " + from.place() +
+            view.fail("byteStride", "is " + std::to_string(*stride) + ", but the elements of " + from.place() +
                                         " take " + std::to_string(size) + " bytes");
         result.stride = static_cast<std::size_t>(*stride);
     }
@@ -180,7 +181,7 @@ GltfElements GltfFile::elements_in_view(const GltfObject& from, std::int64_t cou
     const std::uint64_t left = offset > bytes.size() ? 0 : bytes.size() - offset;
     const std::uint64_t fit = left < size ? 0 : 1 + (left - size) / result.stride;
     if (static_cast<std::uint64_t>(count) > fit)
-        from.fail("announces " + std::to_string(count) + " elements, and " + view.place() + " holds " +
+        from.fail("announces " + std::to_string(count) + " elements, but " + view.place() + " holds " +
                   std::to_string(fit));
     result.data = bytes.data() + (count ? offset : 0);
     return result;
@@ -190,7 +191,7 @@ GltfElements GltfFile::elements_in_view(const GltfObject& from, std::int64_t cou
 /// `sparse` lists. Points `elements` to the copy. `size`: bytes of an element.
 void GltfFile::replace_some(GltfElements& elements, const GltfObject& sparse, std::size_t size) {
     if (static_cast<std::uint64_t>(elements.count) > (expansion_limit(bytes_read_) - replaced_bytes_) / size)
-        sparse.fail("replaces elements that expand beyond measure: they are " + std::string(expansion_rule));
+        sparse.fail("replaces elements that expand too far: " + std::string(expansion_rule));
     std::string& bytes = replaced_.emplace_back(static_cast<std::size_t>(elements.count) * size, '\0');
     replaced_bytes_ += bytes.size();
     for (std::int64_t i = 0; elements.data && i < elements.count; ++i)
@@ -203,7 +204,7 @@ void GltfFile::replace_some(GltfElements& elements, const GltfObject& sparse, st
     const std::int64_t count = sparse.required_integer("count"), type = at->required_integer("componentType");
     const GltfElements values = elements_in_view(*values_at, count, elements.component_type, size);
     if (!GltfElements{.component_type = type}.has_indices())
-        at->fail("componentType", "is " + std::to_string(type) + ", which is none of indices");
+        at->fail("componentType", "is " + std::to_string(type) + ", which is not a type of indices");
     const GltfElements indices = elements_in_view(*at, count, type, bytes_of(type));
     for (std::int64_t i = 0; i < count; ++i) {
         const std::int64_t index = indices.index_at(i);
@@ -235,8 +236,8 @@ std::string_view GltfFile::buffer(std::int64_t index, const GltfObject& from) {
         if (length > kept->bytes.size()) {
             const std::size_t size = kept->bytes.size();
             kept.reset();
-            description.fail("byteLength",
-                             "is " + std::to_string(length) + ", and " + std::to_string(size) + " bytes are there");
+            description.fail("byteLength", "is " + std::to_string(length) + ", but the buffer has " +
+                                               std::to_string(size) + " bytes");
         }
         kept->bytes = kept->bytes.substr(0, length);
     }
@@ -252,13 +253,13 @@ GltfFile::Buffer GltfFile::read_buffer(const GltfObject& buffer, bool first) con
     } else if (uri.starts_with("data:")) {
         const std::size_t begin = uri.find(";base64,");
         auto bytes = begin == uri.npos ? std::nullopt : decode_base64(std::string_view(uri).substr(begin + 8));
-        if (!bytes) buffer.fail("uri", "holds data that is no base64");
+        if (!bytes) buffer.fail("uri", "holds data that is not base64");
         result.decoded = std::move(*bytes);
     } else {
         const fs::path path = decode_percent(uri);
         if (uri.empty() || path.is_absolute() || uri.find("://") != uri.npos)
-            buffer.fail("uri", in_quotes(uri) + " is no file beside this one");
-        if (!folder_) buffer.fail("uri", "names the file " + in_quotes(uri) + ", and a stream has no files beside it");
+            buffer.fail("uri", in_quotes(uri) + " is not the path of a file beside this one");
+        if (!folder_) buffer.fail("uri", "names the file " + in_quotes(uri) + ", but a stream has no files beside it");
         result.file.emplace(*folder_ / path);
     }
     return result;

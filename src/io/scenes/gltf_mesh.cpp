@@ -76,7 +76,7 @@ std::vector<GltfMeshes::Primitive> GltfMeshes::primitives_of(const GltfObject& m
     for (std::size_t i = 0; i < mesh.size_of("primitives"); ++i) {
         const GltfObject primitive = mesh.object_of("primitives", i);
         const std::int64_t mode = primitive.integer_or("mode", triangles);
-        if (mode > fan) primitive.fail("mode", "is " + std::to_string(mode) + ", which glTF does not know");
+        if (mode > fan) primitive.fail("mode", "is " + std::to_string(mode) + ", which glTF does not define");
         if (morphs && primitive.size_of("targets")) morph_targets.add(primitive.place());
         const auto attributes = primitive.object("attributes");
         const auto positions = attributes ? attributes->integer("POSITION") : std::nullopt;
@@ -102,7 +102,7 @@ TriangleMesh GltfMeshes::read(const std::vector<Primitive>& primitives, const Gl
             const GltfObject accessor = file_.item("accessors", primitive.positions, mesh, "primitives.POSITION");
             vertices = {file_.elements(accessor, "VEC3"), count, accessor.place()};
             if (vertices.elements.component_type == gltf_uint32)
-                accessor.fail("componentType", "is 5125, which is none of positions");
+                accessor.fail("componentType", "is 5125, which is not a type of positions");
             count += vertices.elements.count;
             all.push_back(&vertices);
         }
@@ -110,13 +110,13 @@ TriangleMesh GltfMeshes::read(const std::vector<Primitive>& primitives, const Gl
         // Limit against small files that expand to huge meshes. In a real file, primitives that share data refer to
         // each byte a few times at most.
         if ((corners_ + corners.size()) / 24 > file_.bytes_read())
-            mesh.fail("names what has been named before so often that the file has more than 8 triangles a byte");
+            mesh.fail("refers to the same data so often that the file has more than 8 triangles per byte");
     }
     corners_ += corners.size();
 
     const std::vector<std::int64_t> used = used_vertices(corners, count);
     if (used.size() > INT32_MAX || corners.size() / 3 > INT32_MAX)
-        mesh.fail("has more vertices or triangles than 32-bit ids can name");
+        mesh.fail("has more vertices or triangles than 32-bit ids can number");
     TriangleMesh result = in_precision(options_.precision, ScalarType::float32, [&](auto scalar) {
         std::vector<decltype(scalar)> xyz;
         xyz.reserve(3 * used.size());
@@ -148,7 +148,7 @@ void GltfMeshes::add_corners(const Primitive& primitive, const Vertices& vertice
         place = accessor.place();
         if (!indices.has_indices())
             accessor.fail("componentType",
-                          "is " + std::to_string(indices.component_type) + ", which is none of indices");
+                          "is " + std::to_string(indices.component_type) + ", which is not a type of indices");
     }
     const auto corner = [&](std::int64_t i) {
         const std::int64_t index = indices.data ? indices.index_at(i) : i;
@@ -160,7 +160,8 @@ void GltfMeshes::add_corners(const Primitive& primitive, const Vertices& vertice
     };
     const std::int64_t n = indices.count;
     if (primitive.mode == triangles) {
-        if (n % 3) mesh.fail("has a list of triangles with " + std::to_string(n) + " corners");
+        if (n % 3)
+            mesh.fail("has a list of triangles with " + std::to_string(n) + " corners, which is not a multiple of 3");
         for (std::int64_t i = 0; i < n; ++i) corners.push_back(corner(i));
         return;
     }

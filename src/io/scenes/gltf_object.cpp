@@ -9,7 +9,7 @@ using nlohmann::json;
 
 GltfObject::GltfObject(const Source& source, const json& value, std::string place)
     : source_(&source), value_(&value), place_(std::move(place)) {
-    if (!value.is_object()) fail("is no object");
+    if (!value.is_object()) fail("is not an object");
 }
 
 void GltfObject::fail(const std::string& what) const {
@@ -27,7 +27,7 @@ const json* GltfObject::find(const char* key) const {
 
 const json* GltfObject::find_list(const char* key) const {
     const json* const found = find(key);
-    if (found && !found->is_array()) fail(key, "is no list");
+    if (found && !found->is_array()) fail(key, "is not a list");
     return found;
 }
 
@@ -39,7 +39,7 @@ std::optional<std::int64_t> as_index(const json& value) {
     return std::in_range<std::int64_t>(number) ? std::optional(static_cast<std::int64_t>(number)) : std::nullopt;
 }
 
-constexpr const char* no_index = "is no integer from 0 to 2^63 - 1";
+constexpr const char* no_index = "is not an integer from 0 to 2^63 - 1";
 
 }  // namespace
 
@@ -65,7 +65,7 @@ bool GltfObject::flag(const char* key) const {
 
 std::string GltfObject::text(const char* key) const {
     const json* const found = find(key);
-    if (found && !found->is_string()) fail(key, "is no text");
+    if (found && !found->is_string()) fail(key, "is not text");
     return found ? found->get<std::string>() : "";
 }
 
@@ -90,7 +90,7 @@ std::vector<std::int64_t> GltfObject::integers(const char* key) const {
     if (const json* const found = find_list(key)) {
         for (const json& value : *found) {
             const auto number = as_index(value);
-            if (!number) fail(key, std::string("holds what ") + no_index);
+            if (!number) fail(key, std::string("holds a value that ") + no_index);
             result.push_back(*number);
         }
     }
@@ -101,7 +101,7 @@ std::vector<double> GltfObject::numbers(const char* key) const {
     std::vector<double> result;
     if (const json* const found = find_list(key)) {
         for (const json& value : *found) {
-            if (!value.is_number()) fail(key, "holds what is no number");
+            if (!value.is_number()) fail(key, "holds a value that is not a number");
             result.push_back(value.get<double>());
         }
     }
@@ -119,7 +119,7 @@ std::vector<std::string> GltfObject::texts(const char* key) const {
     std::vector<std::string> result;
     if (const json* const found = find_list(key)) {
         for (const json& value : *found) {
-            if (!value.is_string()) fail(key, "holds what is no text");
+            if (!value.is_string()) fail(key, "holds a value that is not text");
             result.push_back(value.get<std::string>());
         }
     }

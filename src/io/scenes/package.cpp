@@ -41,12 +41,12 @@ void Package::read(const std::string& part, XmlReader& reader) {
     const auto fail = [&](const std::string& what) {
         throw Error(ErrorCode::format, source_.name() + ": the part " + in_quotes(part) + ' ' + what);
     };
-    if (!archive_.open(part, true)) fail("is missing, encrypted, or compressed in a way that is not read");
+    if (!archive_.open(part, true)) fail("is missing, encrypted, or compressed in a way that is not supported");
     reader.read([&](char* to, std::size_t size) {
         std::size_t got = 0;
         if (!archive_.read(to, size, got)) fail("is truncated or damaged");
         expanded_ += got;
-        if (expanded_ > most_expanded_) fail("expands beyond measure: it is " + std::string(expansion_rule));
+        if (expanded_ > most_expanded_) fail("expands too far: " + std::string(expansion_rule));
         return got;
     });
 }
@@ -58,7 +58,7 @@ std::string Package::target_of(std::string_view relationship) {
     const std::size_t count = relationships.targets.size();
     if (count != 1)
         throw Error(ErrorCode::format,
-                    place(part) + ": names " + (count ? std::to_string(count) + " models" : "no model"));
+                    place(part) + ": it refers to " + (count ? std::to_string(count) + " models" : "no model"));
     return relationships.targets[0];
 }
 

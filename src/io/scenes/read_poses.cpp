@@ -25,14 +25,14 @@ class Poses {
     /// messages; null for other files.
     void add(std::span<const double> numbers, const char* line) {
         if (numbers.size() != row_numbers && numbers.size() != square_numbers)
-            fail(line, "a pose has 12 numbers (or 16), not " + std::to_string(numbers.size()));
+            fail(line, "a pose must have 12 or 16 numbers, not " + std::to_string(numbers.size()));
         for (std::size_t i = 0; i < numbers.size(); ++i) {
             if (std::isfinite(numbers[i])) continue;
             fail(line, "number " + std::to_string(i + 1) + " is not finite");
         }
         if (numbers.size() == square_numbers &&
             (numbers[12] != 0 || numbers[13] != 0 || numbers[14] != 0 || numbers[15] != 1))
-            fail(line, "a pose of 16 numbers ends with 0 0 0 1");
+            fail(line, "a pose of 16 numbers must end with 0 0 0 1");
         Pose pose;
         std::copy_n(numbers.begin(), row_numbers, pose.rows.begin());
         poses_.push_back(pose);
@@ -81,7 +81,7 @@ std::vector<Pose> read_text(const Source& source, std::span<const std::string> b
                 const auto number = number_of(word);
                 title = first && numbers.empty() && !number;
                 if (title) break;
-                if (!number) source.fail_at_line(line, in_quotes(word) + " is no number");
+                if (!number) source.fail_at_line(line, in_quotes(word) + " is not a number");
                 numbers.push_back(*number);
             }
         }
@@ -109,18 +109,18 @@ std::vector<Pose> poses_of(const std::string& bytes, std::size_t width, std::end
 std::vector<Pose> read_npy(const Source& source, std::span<const std::string> bodies) {
     NpyFile npy(source);
     const std::optional<NpyHeader> header = read_npy_header(npy);
-    if (!header) fail(source, "this is no array of NumPy");
+    if (!header) fail(source, "this is not a NumPy array");
     const auto& shape = header->shape;
     const std::int64_t last = shape.empty() ? 0 : shape.back(), before = shape.size() < 2 ? 0 : shape[shape.size() - 2];
     const std::size_t width = last == 12 || last == 16   ? static_cast<std::size_t>(last)
                               : last == 4 && before == 3 ? row_numbers
                               : last == 4 && before == 4 ? square_numbers
                                                          : 0;
-    if (!width) fail(source, "the array's shape ends neither with 12 nor with 3, 4 (16 nor 4, 4)");
+    if (!width) fail(source, "the array's shape must end with 12, 16, (3, 4) or (4, 4)");
     const std::size_t size = header->kind == "f4" ? 4 : header->kind == "f8" ? 8 : 0;
-    if (!size) fail(source, "the array holds neither float32 nor float64");
+    if (!size) fail(source, "the array must hold float32 or float64");
     if (header->by_column && shape.size() > 1)
-        fail(source, "the array is in Fortran order; numpy.ascontiguousarray mends that");
+        fail(source, "the array is in Fortran order; convert it with numpy.ascontiguousarray");
     const auto items = header->items();
     if (!items || *items > INT64_MAX / 16) fail(source, "the array is truncated");
     const std::string bytes = npy.read(static_cast<std::size_t>(*items) * size);

@@ -110,7 +110,8 @@ void check_size(const WorldMesh& world) {
         const TriangleMesh& shape = world.shapes[static_cast<std::size_t>(body.shape)];
         vertices += shape.vertex_count(), triangles += shape.triangle_count();
         if (vertices > INT32_MAX || triangles > INT32_MAX)
-            throw Error(ErrorCode::invalid_argument, "more vertices or triangles than 32-bit ids can name");
+            throw Error(ErrorCode::invalid_argument,
+                        "the world has more vertices or triangles than 32-bit ids can number");
     }
 }
 

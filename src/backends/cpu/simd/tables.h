@@ -38,7 +38,7 @@ const Kernels& choose(std::span<const Table<Kernels>> tables, const Kernels& pla
         if (table.is_supported() && (simd == Simd::automatic || simd == table.simd)) return *table.kernels;
     if (simd == Simd::automatic) return plain;
     throw Error(ErrorCode::backend_unavailable,
-                "the instruction set asked for is not one that both this build and this machine have", Element::option);
+                "the requested instruction set is not supported by this build or by this machine", Element::option);
 }
 
 /// Returns all tables that run on this machine, the plain one first.

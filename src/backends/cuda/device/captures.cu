@@ -11,7 +11,8 @@ unsigned long long capture_of(cudaStream_t stream) {
     unsigned long long id = 0;
     CRUMPLE_CUDA(cudaStreamGetCaptureInfo(stream, &status, &id));
     if (status == cudaStreamCaptureStatusInvalidated)
-        throw Error(ErrorCode::invalid_argument, "the capture of a mesh's stream has failed before this call");
+        throw Error(ErrorCode::invalid_argument,
+                    "the stream's capture has failed before this call; end it, and begin a new one");
     return status == cudaStreamCaptureStatusActive ? id : 0;
 }
 

@@ -22,7 +22,7 @@ int count_devices(std::string& reason) {
         reason = unavailable(cudaGetErrorString(error));
         return 0;
     }
-    if (count == 0) reason = unavailable("CUDA lists no device");
+    if (count == 0) reason = unavailable("CUDA finds no device");
     return count;
 }
 
@@ -38,7 +38,8 @@ Device::Device(int index) : index_(index) {
     const int count = count_devices(reason);
     if (count == 0) refuse(reason);
     if (index < 0 || index >= count)
-        refuse(unavailable("device " + std::to_string(index) + " of " + std::to_string(count) + " does not exist"));
+        refuse(unavailable("device " + std::to_string(index) +
+                           " does not exist (number of devices: " + std::to_string(count) + ")"));
     const Current current(*this);
     // Fails if this build has no code for the device.
     cudaFuncAttributes attributes;

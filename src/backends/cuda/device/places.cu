@@ -64,7 +64,7 @@ void ReadableArrays::check(const MeshView& a, const MeshView* b) {
 void ReadableArrays::check(const Shape& shape) {
     check(MeshView(shape.vertices, shape.triangles, shape.groups), nullptr);
     look(known_[3], "vertices at the end", "", shape.end.data, shape.end.rows == 0);
-    look(known_[4], "vertices at rest", "", shape.rest.data, shape.rest.rows == 0);
+    look(known_[4], "rest vertices", "", shape.rest.data, shape.rest.rows == 0);
     look(known_[5], "radii", "", shape.radii.data(), shape.radii.empty());
     if (shape.edges) look(known_[6], "edges", "", shape.edges->data(), shape.edges->empty());
     if (shape.points) look(known_[7], "points", "", shape.points->data(), shape.points->empty());

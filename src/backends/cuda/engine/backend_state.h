@@ -24,7 +24,7 @@ struct BackendState {
         const auto callers = static_cast<cudaStream_t>(callers_stream);
         if (capture_of(callers) != 0)
             throw Error(ErrorCode::invalid_argument,
-                        std::string(whose) + " stream is being captured, and cannot be waited for");
+                        std::string(whose) + " stream is being captured; only launch() can be part of a capture");
         order(before, callers, stream.get());
     }
 

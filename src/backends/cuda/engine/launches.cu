@@ -11,7 +11,7 @@ namespace {
 
 LaunchNumber Launches::launch(Finder& finder, cudaStream_t stream, cudaStream_t other,
                               FunctionRef<void(std::size_t slot, Growth growth)> bind, bool of_worlds) {
-    if (launches_in_flight_.full()) refuse("two launches are in flight: the next one comes after a wait()");
+    if (launches_in_flight_.full()) refuse("two launches are in flight; call wait() before the next launch");
     const auto bind_both = [&](std::size_t slot, Growth growth) {
         bind(slot, growth);
         if (other != stream) order(state_.before, other, stream);
@@ -34,11 +34,12 @@ LaunchNumber Launches::launch(Finder& finder, cudaStream_t stream, cudaStream_t 
 // which becomes an Error.
 LaunchNumber Launches::launch_in_capture(Finder& finder, bool of_worlds, bool same_capture, cudaStream_t stream,
                                          FunctionRef<void()> bind) {
-    if (launches_in_flight_.count() > 0) refuse("a launch in a capture comes after wait() for the one before");
-    if (capture_is_open()) refuse("a detector's launches in a capture are one at most");
+    if (launches_in_flight_.count() > 0)
+        refuse("launches are in flight; call wait() for them before a launch in a capture");
+    if (capture_is_open()) refuse("a capture can have only one launch of a detector");
     phase_ = Phase::refused;
     reported_ = 0;
-    if (!same_capture) refuse("the streams of two meshes take part in one capture, or in none");
+    if (!same_capture) refuse("the streams of both meshes must be in the same capture, or in none");
     try {
         bind();
         finder.capture(stream);
@@ -51,10 +52,10 @@ LaunchNumber Launches::launch_in_capture(Finder& finder, bool of_worlds, bool sa
 
 void Launches::check_awaited(LaunchNumber launch) const {
     if (phase_ == Phase::captured && launch == newest_) return;
-    if (launch > oldest()) refuse("an older launch is in flight: launches are waited for in their order");
+    if (launch > oldest()) refuse("an older launch is in flight; call wait() in the order of the launches");
     if (launch == oldest()) return;
-    if (launch == newest_ && launch == waited_) refuse("wait() needs a launch before it: this one has been waited for");
-    refuse("there is nothing to wait for: another call has come after this launch");
+    if (launch == newest_ && launch == waited_) refuse("wait() has already been called for this launch");
+    refuse("wait() is too late: another call of the detector came after this launch");
 }
 
 Launches::Outcome Launches::wait(Finder& finder, std::uint64_t revision) {
@@ -85,7 +86,7 @@ bool Launches::capture_is_open() const {
 
 // While a capture is open, our streams take part in it, and so would any work that is enqueued on them.
 void Launches::refuse_open_capture() const {
-    if (capture_is_open()) refuse("the capture that a launch was put into has not ended");
+    if (capture_is_open()) refuse("a capture with a launch of this detector has not ended; end it before this call");
 }
 
 // Ends the state of a captured launch, and that of a reported result, which download() needs.

@@ -39,7 +39,7 @@ FirstOfKind firsts_of(const FeatureRequest& query) {
         if (query.lists(kind)) base += count_of(query.features, types_of(kind).first);
         if (base > std::numeric_limits<std::int32_t>::max())
             throw Error(ErrorCode::invalid_argument,
-                        "the cuda backend numbers at most 2147483647 features that come first in a pair");
+                        "the cuda backend supports at most 2147483647 features that come first in a pair");
         firsts.base[k + 1] = static_cast<std::uint32_t>(base);
     }
     return firsts;

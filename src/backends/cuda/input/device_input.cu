@@ -282,7 +282,7 @@ void Input::throw_error(const Counters& counters) const {
     if (posed_) return posed_->throw_error(stream_, poses_, counters);
     constexpr unsigned long long none = ~0ull;
     if (counters.bad_radius != none) fail_radius("", static_cast<std::int64_t>(counters.bad_radius));
-    if (counters.bad_rest != none) fail_not_finite("at rest: ", static_cast<std::int64_t>(counters.bad_rest));
+    if (counters.bad_rest != none) fail_not_finite("rest shape: ", static_cast<std::int64_t>(counters.bad_rest));
     for (std::size_t side = 0; side < 2; ++side) {
         const std::string which = mesh_name(scene_, side);
         const unsigned long long vertex = counters.bad_vertex[side], t = counters.bad_triangle[side];
