@@ -71,7 +71,7 @@ def test_import_error_names_missing_mpi4py():
     [
         (
             "MPI.Get_library_version = lambda: 'Another MPI 9, of 2030\\0'",
-            "crumple.mpi uses .+, but mpi4py Another MPI 9: build",
+            "crumple.mpi uses .+, but mpi4py uses Another MPI 9: build",
         ),
         (
             "MPI.Get_library_version = lambda v=MPI.Get_library_version(): v + 'x'",

@@ -386,7 +386,7 @@ def test_malformed_state_of_statistics_is_refused(name, value):
         return  # 2**70 is a valid float
     else:
         state[name] = value
-    with pytest.raises(crumple.InvalidType, match=f"the state of Statistics (must be a dict|needs another {name})$"):
+    with pytest.raises(crumple.InvalidType, match=f"the state of Statistics (must be a dict|needs a valid {name})$"):
         crumple.Statistics.__new__(crumple.Statistics).__setstate__(state)
 
 
