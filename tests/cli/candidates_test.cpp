@@ -96,7 +96,7 @@ TEST_F(Candidates, wrong_options_are_refused) {
     expect_refused(step + " --kinds face_vertex", "--kinds: face_vertex is not one of vertex_face|edge_edge|");
     for (const char* const bad : {"-1", "nan", "inf", "x"})
         expect_refused(step + " --inflation " + bad,
-                       "--inflation: " + std::string(bad) + " is no distance of 0 or more");
+                       "--inflation: " + std::string(bad) + " is not a distance of 0 or more");
     expect_refused(step + " --triangle-pairs", "--triangle-pairs does not go with --candidates");
     expect_refused("impacts - - --candidates", "standard input, -, can be read only once");
     expect_refused("impacts missing.off --candidates", "missing.off");

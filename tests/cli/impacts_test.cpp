@@ -94,10 +94,11 @@ TEST_F(Impacts, pairs_within_min_distance_count_as_touching) {
     EXPECT_TRUE(list("impacts above.off below.off --min-distance 1 --approaching-only").starts_with("vf 3 0 0 1\n"));
     EXPECT_EQ(list("impacts above.off below.off --approaching-only"), list("impacts above.off below.off"));
     for (const char* const bad : {"-1", "nan", "inf", "1e999", "x", "''", "1x"})
-        expect_refused(std::string("impacts above.off below.off --min-distance ") + bad, "is no distance of 0 or more");
+        expect_refused(std::string("impacts above.off below.off --min-distance ") + bad,
+                       "is not a distance of 0 or more");
     for (const char* const bad : {"1", "-0.1", "nan"})
         expect_refused(std::string("impacts above.off below.off --min-distance-share ") + bad,
-                       "is no share of 0 or more");
+                       "is not a share of 0 or more");
 }
 
 TEST_F(Impacts, groups_filter_impacts) {

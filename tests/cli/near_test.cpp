@@ -137,7 +137,7 @@ TEST_F(Near, wrong_arguments_are_refused) {
     expect_refused("near above.off --radius", "near: --radius: 1 required R missing");
     for (const char* const bad : {"-1", "inf", "nan", "1m"})
         expect_refused(std::string("near above.off --radius ") + bad,
-                       std::string(bad) + " is no distance of 0 or more");
+                       std::string(bad) + " is not a distance of 0 or more");
     expect_refused("near above.off above.off above.off --radius 1", "near:");
     expect_refused("near above.off --radius 1 -o a.html",
                    "near pairs are written as .txt, .csv, .json or .npz, coloured as .glb");

@@ -230,7 +230,7 @@ TEST_F(Overlap, volumes_below_the_minimum_are_excluded) {
     EXPECT_EQ(text("low.off on.off --min-volume 1e-300", "nothing overlaps"), "");
     for (const char* const bad : {"-1", "inf", "nan", "1mm"})
         expect_refused(std::string("overlap low.off high.off --min-volume ") + bad,
-                       std::string(bad) + " is no volume of 0 or more");
+                       std::string(bad) + " is not a volume of 0 or more");
 }
 
 TEST_F(Overlap, check_reports_overlaps_by_exit_status) {
