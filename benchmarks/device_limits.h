@@ -12,13 +12,14 @@ namespace crumple::benchmark {
 void check(cudaError_t error);
 
 struct DeviceLimits {
-    double peak_bandwidth =
-        0;  ///< bytes per second, by memory clock and bus width; 0 if the device does not report them
-    double copy_bandwidth = 0;  ///< bytes per second, read and written, of a copy of four times the L2 cache
+    /// Bytes per second that memory clock and bus width allow; 0 if the device does not report these.
+    double peak_bandwidth = 0;
+    /// Bytes read and written per second while the device copies an array four times as large as its L2 cache.
+    double copy_bandwidth = 0;
     // Median milliseconds between events on the stream; for graphs, on a stream that is kept busy before:
-    double graph = 0;   ///< a graph of one empty kernel
-    double node = 0;    ///< each further kernel of the graph, in a chain
-    double launch = 0;  ///< each further kernel where they are launched one by one
+    double graph = 0;   ///< time of a graph of one empty kernel
+    double node = 0;    ///< additional time of each further kernel of the graph, in a chain
+    double launch = 0;  ///< additional time of each further kernel if kernels are launched one by one
 
     double bandwidth() const { return peak_bandwidth > 0 ? peak_bandwidth : copy_bandwidth; }
 };

@@ -14,7 +14,7 @@ constexpr double size = sizeof(T);
 
 constexpr double index = size<std::int32_t>, corners = 3 * index, ball = size<Ball>, mask = size<std::uint64_t>;
 constexpr double offset = size<unsigned long long>, bin_counter = size<std::uint32_t>;
-constexpr double member = size<std::int32_t> + size<std::uint32_t>;  // triangle, item
+constexpr double member = size<std::int32_t> + size<std::uint32_t>;  // id of triangle, index of item in the Level
 constexpr double span_of_bins = size<std::uint32_t>, rank = size<std::uint32_t>, end = size<std::uint32_t>;
 // Bytes per member that the sweep reads in order, and bytes per member that it gathers if the member's box overlaps
 // another.
@@ -74,14 +74,14 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
                              first_triangles * 2 * offset,
                          2};
 
-    // Four nodes: prefix sums, filling buckets with the pairs of each first triangle, sorting short buckets, sorting
-    // long ones.
+    // Four nodes: prefix sums, which also list the parts of long buckets; filling buckets with the pairs of each first
+    // triangle; ordering short buckets and sorting the parts of long ones; merging these parts.
     at(Stage::output) = {n * 2 * offset +
                              pairs * (size<cuda::Hit> + size<cuda::BucketedPair>)+first_triangles * offset + n +
                              (n + 1) * offset + pairs * (size<cuda::BucketedPair> + size<Pair>)+2 * n,
                          4};
 
-    work.frame = {(n + 1) * offset, 1};  // batched clear
+    work.frame = {(n + 1) * offset, 1};  // batched clear of counters
     for (const Work& stage : work.stage) work.frame += stage;
     return work;
 }

@@ -33,8 +33,10 @@ struct Work {
 
 struct LeastWork {
     std::array<Work, stage_count> stage;
-    int beside = 0;  ///< nodes in parallel branches, for the next frame: clusters of each level (fuzzy C-means), frames
-    Work frame;      ///< all stages, and the batched clear of counters before them
+    /// Number of nodes in parallel branches of the graph. They prepare the next frame: the centres of clusters of each
+    /// level (fuzzy C-means), and the leaves' frames.
+    int beside = 0;
+    Work frame;  ///< sum over all stages and the batched clear of counters, which precedes them
 };
 LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& counted);
 

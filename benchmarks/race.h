@@ -38,7 +38,7 @@ Summary summarise(std::vector<double> values);
 struct Times {
     std::vector<std::vector<double>>
         rounds;          ///< milliseconds, [round][call]; empty if the contestant's warm-up was too slow (race())
-    double warm_up = 0;  ///< fastest call of the warm-up, milliseconds
+    double warm_up = 0;  ///< milliseconds of the fastest call of the warm-up
 
     bool raced() const { return !rounds.empty(); }
     Summary summary() const;

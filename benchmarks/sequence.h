@@ -11,7 +11,7 @@ namespace crumple::benchmark {
 
 struct Sequence {
     std::string name;
-    std::vector<int> numbers;  ///< numbers of the frames in their source
+    std::vector<int> numbers;  ///< number of each frame in the animation that it was taken from
     std::vector<io::TriangleMesh> frames;
 };
 

@@ -11,7 +11,7 @@ namespace crumple::benchmark {
 
 struct Step {
     std::string name;
-    io::TriangleMesh start, end;  ///< the same triangles at t0 and t1
+    io::TriangleMesh start, end;  ///< the same triangles at the start and at the end of the step
     double radius = 0;            ///< for proximity queries: a quarter of the mean edge length at the start, float32
 
     VertexView end_view() const { return end.view().vertices; }

@@ -29,8 +29,8 @@ class BodyNames {
     BodyPair pair(const std::string& text) const;
     /// Reads pairs of names from a list that crumple detect has written. The extension selects .csv or .json; any other
     /// file is text with two names per line. In text, names are separated by a tab, or by blanks if the line has no
-    /// tab, and may be quoted as by quoted_name(). Skips blank lines, comments (#), and the third column that detect
-    /// --containment writes. Throws Error that names the line.
+    /// tab, and may be quoted as by quoted_name(). Text may have blank lines and comments (#). In text and .csv,
+    /// ignores the third column that detect --containment writes. Throws Error that names the line.
     std::vector<BodyPair> read_pairs(const std::string& path) const;
 
     const std::vector<std::string>& list() const { return names_; }

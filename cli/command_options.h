@@ -23,20 +23,20 @@ struct PartOfMany {
 
 /// Options that change how files are read.
 struct ReadingOptions {
-    std::optional<bool> weld;  ///< absent: merge equal vertices of STL files and glTF scenes only
+    std::optional<bool> weld;  ///< absent: vertices at equal positions are merged in STL files and glTF scenes only
     io::Precision precision = io::Precision::automatic;
     io::Triangulation triangulation = io::Triangulation::ears;
     bool strict = false;
     io::Unit unit = io::Unit::unknown;
-    bool lines_and_points = false;  ///< no option of its own: set for queries about features
+    bool lines_and_points = false;  ///< set by commands about features, without an option of its own
 };
 
 /// Options that change the result.
 struct QueryOptions : ReadingOptions {
     Neighbours neighbours = Neighbours::geometric;
     IntersectionKind kind = IntersectionKind::all;
-    std::string groups;               ///< "components", "bodies", a file, a PLY property; empty: none
-    std::optional<PairScope> filter;  ///< absent: both
+    std::string groups;  ///< "components", "bodies", or the name of a file or of a PLY property; empty: no groups
+    std::optional<PairScope> filter;  ///< absent: the option is not given
     std::optional<PartOfMany> part;
     bool contacts = false;
     bool polygons = false;  ///< results contain ids of polygons instead of triangles

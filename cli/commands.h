@@ -12,8 +12,8 @@ enum Status : int {
     done = 0,
     collided = 1,  ///< --check: something was found (info: a body is no solid's surface); verify: the list is wrong
     failed = 2,    ///< wrong use, bad input, a file that cannot be written
-    out_of_memory = 3,  ///< under --memory-limit the message states the bytes that are needed
-    interrupted = 130   ///< Ctrl-C
+    out_of_memory = 3,  ///< under --memory-limit the message has a lower bound on the bytes needed
+    interrupted = 130   ///< sequence: ended by Ctrl-C
 };
 
 /// Subcommand that was added to the command line. run() is called after parsing.

@@ -12,7 +12,7 @@
 namespace crumple::cli {
 
 struct NearFilterOptions {
-    std::string radii, rest;  ///< files, or empty
+    std::string radii, rest;  ///< paths of files; empty if the option is absent
     double rest_radius = 0;
     std::int32_t rings = 0;
 

@@ -15,7 +15,7 @@ namespace crumple::cli {
 
 /// One or two meshes to search, with groups if they are requested.
 struct InputMeshes {
-    std::string name;  ///< for messages
+    std::string name;  ///< names of the files or of the generated frame, for messages
     io::TriangleMesh first;
     std::optional<io::TriangleMesh> second;
 
@@ -42,7 +42,7 @@ void convert_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const 
 /// Reads one file or two. Throws Error that names the file and the place.
 InputMeshes read_input(const std::vector<std::string>& files, const QueryOptions& options);
 
-/// Returns a generated mesh as input, processed as if it had been read from a file with these options. Its groups count
+/// Returns a generated mesh as input, with the precision and the groups that the options request. Its own groups count
 /// as a property named `group`. Throws as read_input does.
 InputMeshes generated_input(const std::string& name, io::TriangleMesh mesh, const QueryOptions& options);
 
@@ -52,12 +52,13 @@ struct MovingInput {
     io::TriangleMesh end;
 };
 
-/// Throws Error (invalid_argument) unless the meshes have the same number of vertices and the same faces. Equal
-/// polygons may be triangulated differently.
+/// Throws Error (invalid_argument) unless the meshes have the same number of vertices and the same faces, lines and
+/// points. Equal polygons may be triangulated differently.
 void check_same_faces(const InputMeshes& start, const std::string& end_name, const io::TriangleMesh& end);
 
-/// Returns the options for reading the meshes of a step. They do not weld vertices, even with --weld: vertices that
-/// coincide in one file need not coincide in the other. The query welds them instead. Lines and points are read.
+/// Returns the options for reading the meshes of a step. With --weld, vertices are not welded on reading but by the
+/// query, because vertices that coincide in one file need not coincide in the other. Without --weld and --no-weld, each
+/// STL file and glTF scene is welded on reading, as usual. Lines and points are read.
 QueryOptions reading_of_motion(QueryOptions options);
 
 /// Returns the options, changed so that lines and points of OBJ files are read.
@@ -90,8 +91,8 @@ struct BodyOrigins {
 
 class AllowedThreads;
 
-/// Detector with the options of the command line. If inputs follow each other, each search is warm-started by the one
-/// before it.
+/// Detector with the options of the command line. If inputs follow each other, each search is warm-started: it begins
+/// with the cluster centres of the search before it.
 class SearchSession {
    public:
     /// Throws Error (invalid_argument) if options conflict.

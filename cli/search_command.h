@@ -96,9 +96,9 @@ void add_output_options(CLI::App& app, ListOutputs& outputs, const std::string& 
 
 /// Words for messages about one kind of result.
 struct ListWords {
-    const char* one;   ///< "impact"
-    const char* some;  ///< line of --check: "something touches"
-    const char* none;  ///< the same if nothing was found: "nothing touches"
+    const char* one;   ///< one row of the result: "impact"
+    const char* some;  ///< line of --check if there are rows: "something touches"
+    const char* none;  ///< line of --check if there are none: "nothing touches"
 };
 inline constexpr ListWords words_of_pairs{"pair", "something collides", "nothing collides"},
     words_of_impacts{"impact", "something touches", "nothing touches"},
@@ -141,7 +141,7 @@ void add_search_command_options(CLI::App& app, SearchCommand& command, const std
 /// Size of a result in rows, and duration of its search, for the summary.
 struct ResultSize {
     std::int64_t count = 0;
-    std::array<std::int64_t, feature_kinds> by_kind{};  ///< by FeatureKind
+    std::array<std::int64_t, feature_kinds> by_kind{};  ///< number of rows by FeatureKind
     double milliseconds = 0;
 };
 template <class Result>
@@ -152,7 +152,8 @@ ResultSize tally_of(const Result& result) {
     return tally;
 }
 
-/// Returns "27 vertex-face, 107 edge-edge".
+/// Returns "27 vertex-face, 107 edge-edge", followed by the numbers of vertex-edge and vertex-vertex pairs unless they
+/// are 0.
 std::string kinds_of(const ResultSize& tally);
 /// Returns the number of candidates of each kind that the result lists, in the same form.
 std::string kinds_of(const Candidates& candidates);
@@ -162,7 +163,7 @@ std::string kinds_of(const Candidates& candidates);
 std::string summary_of(const ResultSize& tally, const std::string& kinds, const ListWords& words,
                        std::int64_t triangles, const std::string& more = {});
 /// Returns "134 impacts (27 vertex-face, 107 edge-edge), the first at 0.045, 3.1 ms". `earliest`: true if only the
-/// first impact was searched for.
+/// first impact was searched for; then returns "the first impact is at 0.045, 3.1 ms".
 std::string summary_of_impacts(const ResultSize& tally, const FirstImpact& first, bool earliest,
                                std::int64_t triangles);
 inline std::string summary_of_near(const ResultSize& tally, std::int64_t triangles) {

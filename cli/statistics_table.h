@@ -28,7 +28,8 @@ void print_statistics(const Statistics& statistics, std::int64_t hits);
 /// Prints the table of --stats to standard error, with `remark` beside the number of pairs.
 void print_statistics(const Statistics& statistics, const std::string& remark);
 
-/// Adds the counts and times of one call to a sum. The peak memory becomes the larger of the two.
+/// Adds the counts and times of one call to a sum. The peak memory becomes the larger of the two. The number of
+/// threads, the backend and the instruction set become those of the call.
 void add(Statistics& sum, const Statistics& more);
 
 }  // namespace crumple::cli

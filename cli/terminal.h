@@ -41,14 +41,16 @@ void print_note(std::string_view message);
 /// Prints `crumple: warning: message` in one line on standard error.
 void print_warning(std::string_view message);
 
-/// Returns the style if the stream (1 or 2) is a terminal and NO_COLOR is not set, else none.
+/// Returns the style if the stream (1: standard output, 2: standard error) is a terminal and the environment variable
+/// NO_COLOR is unset or empty; else no style.
 fmt::text_style on_terminal(int stream, fmt::text_style style);
 
 using io::grouped;
 /// Returns a size in bytes as text with a binary unit: 12.3 MiB.
 std::string readable_bytes(std::int64_t bytes);
 
-/// Progress bar in the last line of a terminal; silent if standard error is not a terminal.
+/// Progress bar in the last line of a terminal; silent if standard error is not a terminal, or if there is only one
+/// step.
 class Progress {
    public:
     explicit Progress(std::size_t steps);

@@ -91,7 +91,7 @@ namespace {
 
 /// Side of a triangle: the edge, and the direction in which the triangle's corners run along it.
 struct DirectedSide {
-    Edge edge;     ///< a < b
+    Edge edge;     ///< the edge with its lower vertex first: a < b
     bool upwards;  ///< true if the triangle runs from a to b
     std::int32_t triangle;
 };

@@ -22,10 +22,10 @@ struct FlippedEdge {
 };
 /// Report on the edges of a mesh. An edge is an unordered pair of different vertex indices.
 struct EdgeReport {
-    std::vector<Edge> open;         ///< edges of one triangle, in lexicographic order
+    std::vector<Edge> open;         ///< edges that belong to one triangle only, in lexicographic order
     std::int64_t holes = 0;         ///< number of connected components of open edges: usually closed curves
-    std::int64_t non_manifold = 0;  ///< edges of three triangles or more
-    bool closed = true;             ///< every edge has an even number of triangles
+    std::int64_t non_manifold = 0;  ///< number of edges that belong to three triangles or more
+    bool closed = true;             ///< true if every edge belongs to an even number of triangles
     /// First edge with an even number of triangles that is not traversed equally often in both directions; none if the
     /// orientation is consistent.
     std::optional<FlippedEdge> flipped;

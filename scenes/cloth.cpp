@@ -25,7 +25,7 @@ namespace {
 
 constexpr double ball_share = 1.0 / 121;  // of all triangles
 
-// Lengths in grid cells.
+// Lengths in grid cells, unless another unit is given.
 constexpr double jitter = 0.2;
 constexpr double wavelength = 20, wander = 20;  // length of a wrinkle; size of its irregularities
 constexpr double rise = 1, swing = 2.3;         // height and sideways swing of a wrinkle, in wavelengths / 2 pi

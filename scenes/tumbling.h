@@ -17,8 +17,8 @@ inline std::array<Vec3d, 3> rotation(Vec3d axis, double turns) {
     return {rotate({1, 0, 0}), rotate({0, 1, 0}), rotate({0, 0, 1})};
 }
 
-/// Returns the pose of a body at a frame. The body's start, motion and scale (0.7 to 1.3) are the next numbers of
-/// `random`. `width`: of the cube.
+/// Returns the pose of a body at a frame. The next numbers of `random` determine the body's initial position and
+/// orientation, its velocity, spin and scale (0.7 to 1.3). `width`: length of the cube's edges.
 inline ScaledPose tumbling(Random& random, double width, int frame) {
     const Vec3d start = random.in_cube(0, width), velocity = random.in_cube(-0.05, 0.05), axis = random.direction();
     const double time = frame, spin = random.uniform(-0.01, 0.01), turns = random.uniform() + spin * time;

@@ -18,7 +18,7 @@ class GltfScene {
    public:
     using Json = nlohmann::json;
     Json json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", Json::array()}}}}};
-    std::string bytes;  ///< the buffer
+    std::string bytes;  ///< contents of the scene's only buffer
 
     template <class T>
     int add_accessor(const std::vector<T>& values, int component_type, const char* type) {

@@ -27,7 +27,8 @@ struct Soup {
     MeshView view() const { return {vertices, triangles, groups}; }
 };
 
-/// `count` triangles of about `size` in the unit cube, each with vertices of its own.
+/// `count` triangles, each with vertices of its own: at most size / 2 along each axis from a random centre in the unit
+/// cube.
 template <class Scalar = float>
 Soup<Scalar> random_soup(int count, double size, unsigned seed = 1) {
     std::mt19937 engine(seed);

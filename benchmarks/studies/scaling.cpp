@@ -32,8 +32,8 @@ double time_of_thread() {
 /// Figures of one rank in one frame.
 struct RankFigures {
     double work = 0, rest = 0;                       // milliseconds of search, and of all else outside the transport
-    double bytes = 0, messages = 0, neighbours = 0;  // sent in exchanges; number of ranks to which they were sent
-    double reductions = 0, reduced = 0, broadcasts = 0, all_to_alls = 0, exchanges = 0;  // calls; `reduced` is in bytes
+    double bytes = 0, messages = 0, neighbours = 0;  // sent in exchanges, and number of receiving ranks
+    double reductions = 0, reduced = 0, broadcasts = 0, all_to_alls = 0, exchanges = 0;  // counts; `reduced`: bytes
     double members = 0;
     double moved = 0;  // DistributedStatistics::moved as 0 or 1
 };

@@ -27,8 +27,8 @@ namespace {
 
 /// Measurements of each frame.
 struct Run {
-    std::vector<std::vector<double>> total;                           ///< milliseconds, [frame][pass]
-    std::array<std::vector<std::vector<double>>, stage_count> stage;  ///< milliseconds, [stage][frame][pass]
+    std::vector<std::vector<double>> total;                           ///< milliseconds of a whole call, [frame][pass]
+    std::array<std::vector<std::vector<double>>, stage_count> stage;  ///< milliseconds of a stage, [stage][frame][pass]
     std::vector<Statistics> last;
 
     explicit Run(std::size_t frames) : total(frames), last(frames) {

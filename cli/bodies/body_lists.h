@@ -32,10 +32,10 @@ struct ConfigurationList {
     std::vector<std::uint8_t> collides = {};  ///< one flag per configuration
     std::vector<std::size_t> ends = {};       ///< end of each configuration's pairs in `pairs`
     std::vector<BodyPair> pairs = {};
-    std::vector<std::uint8_t> inside = {};  ///< as in a BodyList
+    std::vector<std::uint8_t> inside = {};  ///< flag per pair, as in a BodyList
     bool has_inside = false;
     double milliseconds = 0;
-    const char* verb = "collides";  ///< for headings: "collides" or "overlaps"
+    const char* verb = "collides";  ///< heading in csv and key in json: "collides" or "overlaps"
 
     std::int64_t colliding() const;
 };
@@ -47,9 +47,10 @@ struct ConfigurationList {
 void write_list(std::ostream& out, const BodyList& list, ListFormat format);
 
 /// Writes one row per configuration. txt: number of the configuration, yes or no for a collision, and number of
-/// colliding pairs, as in "0 yes 2"; csv: columns `configuration,collides,pairs`, with 1 and 0 for yes and no; json: an
-/// object with `bodies`, `configurations`, `milliseconds`. If the list has_inside, txt and csv also have a column with
-/// the number of pairs in which one body lies inside the other, and json has a list of flags for each configuration.
+/// colliding pairs, as in "0 yes 2"; csv: columns `configuration,collides,pairs`, with 1 and 0 for yes and no, and with
+/// `verb` as the second heading; json: an object with `bodies`, `configurations`, `milliseconds`. Without has_pairs,
+/// the numbers of pairs are missing. If the list has_inside, txt and csv also have a column with the number of pairs in
+/// which one body lies inside the other, and json has a list of flags for each configuration.
 void write_list(std::ostream& out, const ConfigurationList& list, ListFormat format);
 
 }  // namespace crumple::cli

@@ -19,9 +19,9 @@ namespace crumple::cli {
 /// Options that only worlds of bodies have.
 struct BodyOptions {
     std::vector<std::string> excluded;  ///< each "A,B": names of two bodies
-    std::string exclude_from;           ///< file of excluded pairs; empty: none
-    std::string poses;                  ///< file of poses; empty: poses of the input files
-    bool any = false;                   ///< --any-by-world: for each configuration, only whether it has results
+    std::string exclude_from;           ///< path of a file of excluded pairs; empty if the option is absent
+    std::string poses;                  ///< path of a file of poses; empty: bodies have the poses of the input files
+    bool any = false;                   ///< --any-by-world: lists only a flag for each configuration
 
     /// Appends to `files` the files that these options name.
     void add_files(std::vector<std::string>& files) const;
@@ -33,7 +33,7 @@ std::string help_under(const std::string& condition, std::string help);
 
 /// Parts of the help of these options that differ between commands.
 struct BodyOptionWords {
-    const char* condition;  ///< prefix of all helps: "With --groups bodies: "; may be empty
+    const char* condition;  ///< prefix of the help, such as "With --groups bodies: "; may be empty
     const char* excluded;   ///< effect of an excluded pair: "these two bodies may collide"
     const char* rows;       ///< sentence about the rows that the command writes for a configuration
 };

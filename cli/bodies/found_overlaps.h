@@ -15,7 +15,7 @@ namespace crumple::cli {
 struct OverlapOptions {
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
-    bool self = false;  ///< also search for overlaps of each body with itself; always true for a world of one body
+    bool self = false;  ///< overlaps of each body with itself, too; implied if there is one body
     BodyOptions bodies;
 };
 /// Adds these options to a command and returns them. `condition`: prefix of the help of each option.
@@ -29,7 +29,7 @@ struct FoundOverlaps {
     std::vector<std::uint8_t> has_overlaps;  ///< flag per configuration; empty for Output::any
     Statistics statistics;                   ///< sums over all configurations
 };
-/// Finds the overlaps. Throws Error if the world has no body, and as Search::find() does.
+/// Finds the overlaps. Throws Error if the world has no body, and as SearchSession::find() does.
 FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const OverlapOptions& options,
                             Output output);
 

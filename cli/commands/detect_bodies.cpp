@@ -128,7 +128,7 @@ int find_once(const BodyTask& task, SearchSession& search, const BodyScene& scen
     const std::vector<Body> bodies = scene.bodies(1, true);
     const World world{view.shapes, bodies, view.poses};
     const bool only_status = task.check && task.outputs.empty(), pictures = has_pictures(task);
-    const bool of_triangles = pictures && !task.bodies.containment;  // if false, pictures show whole bodies coloured
+    const bool of_triangles = pictures && !task.bodies.containment;  // if false, any pictures colour whole bodies
     const Output output = only_status ? Output::any : of_triangles ? Output::pairs : Output::body_pairs;
     IntersectionQuery query = query_of(task, output, scene, 1);
     query.index = of_triangles;

@@ -24,8 +24,8 @@ struct ImpactsCommand : SearchCommand {
     bool triangle_pairs = false, lists_candidates = false, first = false;
     MotionOptions motion;
     CandidateOptions candidates;
-    std::vector<const CLI::Option*> of_impacts,
-        of_candidates;  ///< options that apply to impacts only, to candidates only
+    /// Options that exclude --candidates, and options that need it.
+    std::vector<const CLI::Option*> of_impacts, of_candidates;
 
     int run() const {
         check_lists();
@@ -33,7 +33,8 @@ struct ImpactsCommand : SearchCommand {
         return lists_candidates ? list_candidates() : list_impacts();
     }
 
-    /// Throws Error (invalid_argument) if an option does not apply to the requested list: impacts or candidates.
+    /// Throws Error (invalid_argument) if an option does not apply to the requested list (impacts or candidates), or if
+    /// --stream, --first and --triangle-pairs are combined.
     void check_lists() const {
         if (stream && first) refuse("--stream does not go with --first");
         if (stream && triangle_pairs) refuse("--stream does not go with --triangle-pairs");

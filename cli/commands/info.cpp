@@ -22,7 +22,7 @@
 namespace crumple::cli {
 namespace {
 
-/// Returns the number of triangles, and the first few: "3 (5, 17, 40)".
+/// Returns the number of triangles and, in parentheses, at most five of them: "3 (5, 17, 40)".
 std::string some(const std::vector<std::int32_t>& triangles) {
     constexpr std::size_t most = 5;
     std::string text = grouped(static_cast<std::int64_t>(triangles.size()));
@@ -300,7 +300,7 @@ Command add_info(CLI::App& app) {
                      "List all open edges of each body: those that occur in its triangles more often in one direction "
                      "than in the other, such as an edge that two triangles traverse in the same direction; each with "
                      "the lowest of these triangles. crumple overlap needs bodies without open edges");
-    // Uses CLI11's version flag, because that needs no file, prints a text and exits.
+    // Adds --devices as CLI11's version flag, which prints a text and exits without requiring a file.
     command.set_version_flag("--devices", describe_devices,
                              "List the devices of the cuda backend, or the reason why there is none, and exit");
     command.footer(

@@ -10,7 +10,7 @@
 namespace crumple::cli {
 
 struct CandidateOptions {
-    std::vector<CandidateKind> kinds;  ///< empty: vertex_face and edge_edge
+    std::vector<CandidateKind> kinds;  ///< kinds to list; empty: vertex_face and edge_edge
     double inflation = 0;
 
     CandidateQuery query(const QueryOptions& query_options) const;

@@ -1,4 +1,5 @@
-// crumple sequence: searches the frames of an animation one after another, with one warm-started detector.
+// crumple sequence: searches the frames of an animation one after another with one detector, whose searches are
+// warm-started: each begins with the cluster centres of the search before.
 //
 // Tables have a row for each frame, or for each step from one frame to the next. Coloured frames are written as one
 // file per frame, or as one animation. After Ctrl-C, tables and animations have the frames searched so far. After an

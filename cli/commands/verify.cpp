@@ -22,7 +22,7 @@ namespace crumple::cli {
 namespace {
 
 struct Comparison {
-    std::vector<Pair> missing, extra, repeated;  // `repeated` has each pair once, no matter how often it is listed
+    std::vector<Pair> missing, extra, repeated;  // `repeated`: pairs listed more than once, here once each
 
     bool right() const { return missing.empty() && extra.empty() && repeated.empty(); }
 };

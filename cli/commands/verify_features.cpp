@@ -29,18 +29,18 @@ struct Wrong {
     FeatureRow listed, right;
 };
 
-/// Words for messages about one kind of list: what is listed, and adjectives for values that are too large or too
+/// Words for messages about one kind of list: what is listed, and adjectives for rows whose values are too large or too
 /// small.
 struct VerdictWords {
     const char *what, *larger, *smaller;
-    bool flags;  ///< lists in .txt have flags, so wrong flags are reported
+    bool flags;  ///< false: flags are not checked, because .txt lists of this kind have none
 };
 constexpr VerdictWords of_impacts{"impacts", "late", "early", true},
     of_triangle_pairs{"pairs of triangles", "late", "early", true}, of_near{"near pairs", "far", "close", false};
 
 int print_verdict(const io::FeatureList& list, const io::FeatureList& right_list, const VerdictWords& words,
                   bool has_bodies) {
-    std::vector<Wrong> larger, smaller;  // rows whose listed value is larger, smaller than the right one
+    std::vector<Wrong> larger, smaller;  // rows whose value_of() is larger or smaller than the right one
     const auto comparison =
         compare_rows(list.rows, right_list.rows, features_of, [&](FeatureRow listed, const FeatureRow& exact) {
             if (!words.flags) listed.flag = exact.flag;

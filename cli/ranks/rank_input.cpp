@@ -20,8 +20,9 @@ struct RankMeshInput : io::MeshSlice {
     std::optional<io::TriangleMesh> end;
 };
 
-/// Collective. Reads one block of a file on each rank. Returns nothing on all ranks if some rank cannot read the file
-/// in slices: because the file has another format or is a pipe, or because not all ranks can open it. Throws the same
+/// Collective. Reads one block of a file on each rank. Returns nothing on all ranks if some rank cannot read its block:
+/// because the file is standard input or a pipe, is neither binary PLY of triangles nor binary STL, has its groups in
+/// another file, would have to be welded for a query about features, or cannot be opened by all ranks. Throws the same
 /// Error on all ranks if a block has an error.
 std::optional<io::MeshSlice> read_slice(RankLink& link, const std::string& file, const QueryOptions& query_options,
                                         bool for_features) {

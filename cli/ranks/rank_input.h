@@ -20,8 +20,8 @@ struct RankInput {
     std::optional<io::TriangleMesh> end;   ///< for a step: the same vertices at the end of the step
     std::vector<std::int64_t> vertex_ids;  ///< index in the file of each local vertex, ascending
     bool has_copies = false;               ///< true if any rank has vertices of another rank's block
-    io::Blocks triangles;                  ///< blocks of all ranks
-    bool weld = false;                     ///< the search must weld vertices at equal positions
+    io::Blocks triangles;                  ///< division of the file's triangles into a block for each rank
+    bool weld = false;                     ///< true if the search has to weld vertices at equal positions
 
     LocalMesh share() const;
 };

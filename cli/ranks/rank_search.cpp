@@ -55,8 +55,8 @@ Error without_rank(const Error& error) {
     return plain;
 }
 
-/// Prints the message and aborts all ranks. For errors that were thrown on this rank only: the others would wait
-/// forever.
+/// Prints the message and aborts all ranks. For errors that were thrown on this rank only, which the other ranks would
+/// wait for forever.
 [[noreturn]] void abort_all_ranks(const char* message, int status) {
     be_silent(false);
     print_error(message);

@@ -11,8 +11,8 @@ namespace {
 
 int rank_count = 1;
 
-/// True if environment variables show that an MPI launcher has started this process. If false, MPI is not initialised,
-/// because that takes time, and may fail on a machine that is not set up for MPI.
+/// True if environment variables show that an MPI launcher has started this process, unless CRUMPLE_MPI is 0. If false,
+/// MPI is not initialised, because that takes time, and may fail on a machine that is not set up for MPI.
 bool was_launched() {
     const char* const setting = std::getenv("CRUMPLE_MPI");
     if (setting && std::string_view(setting) == "0") return false;

@@ -1,7 +1,8 @@
 #pragma once
 
 // Ranks: MPI processes that a launcher has started, which search together. A process runs alone if no launcher has
-// started it, or if the build has no CRUMPLE_MPI (ranks_none.cpp).
+// started it, if the environment variable CRUMPLE_MPI is 0, or if the program was built without CRUMPLE_MPI
+// (ranks_none.cpp).
 
 #include <string>
 
@@ -19,7 +20,7 @@ class Ranks {
     static int count();
 };
 
-/// Throws Error (invalid_argument): "WHAT is not shared among ranks: run it in one process".
+/// Throws Error (invalid_argument): "WHAT is not supported on several ranks: run it in one process".
 [[noreturn]] void refuse_on_ranks(const std::string& what);
 
 }  // namespace crumple::cli

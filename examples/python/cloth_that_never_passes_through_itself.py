@@ -118,7 +118,7 @@ class Contacts:
 
 
 def pull(positions, batches):
-    """Makes one round of the springs."""
+    """Makes one iteration: moves the ends of each spring towards its rest length."""
     for i, j, rest, stiffness in batches:
         apart = positions[j] - positions[i]
         length = np.linalg.norm(apart, axis=1)[:, None]

@@ -34,7 +34,7 @@ def shells(mesh):
 
 
 def open_edges(mesh):
-    """Counts the edges of only one triangle. A surface that has such edges is not closed."""
+    """Counts the edges that belong to one triangle only. A surface that has such edges is not closed."""
     edges = np.sort(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     return int((np.unique(edges, axis=0, return_counts=True)[1] == 1).sum())
 

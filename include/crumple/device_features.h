@@ -38,8 +38,8 @@ struct DeviceCandidateList {
 
 /// Base of all results about features on the device.
 struct DeviceFeatures {
-    /// False if a list of fixed length overflowed, or the triangles, edges or points have changed (a launch in a
-    /// capture): then everything else is empty.
+    /// Only after a launch in a capture: false if a list was too short, or if triangles, MeshView::edges or
+    /// MeshView::points have changed. Then all lists are empty.
     bool complete = true;
     /// Number of rows of all lists; if the result is incomplete, the number found so far, a lower bound.
     std::int64_t rows_needed = 0;

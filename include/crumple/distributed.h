@@ -108,7 +108,7 @@ struct DistributedStatistics {
 /// pairs whose first body is local, in the order of Intersections. Merged by first triangle or body, the rows of all
 /// ranks are the same bytes as those of a single machine.
 struct DistributedIntersections {
-    bool any = false;        ///< over all ranks
+    bool any = false;        ///< true if some rank has found a pair
     std::int64_t count = 0;  ///< number of pairs of triangles over all ranks if they are counted or listed, else 0
     /// For worlds: the bodies of each pair; for Output::body_pairs each pair of bodies once. Else empty.
     Array<BodyPair> bodies;
@@ -122,7 +122,7 @@ struct DistributedIntersections {
 /// those of triangles, edges are numbered as in Impacts. For worlds, features have their indices within their bodies.
 /// Merged, the rows of all ranks are the same bytes as those of a single machine.
 struct DistributedImpacts {
-    bool any = false;                             ///< over all ranks
+    bool any = false;                             ///< true if some rank has found a pair
     FirstImpact first;                            ///< over all ranks, for Output::first and Output::pairs
     std::array<ImpactList, feature_kinds> lists;  ///< by FeatureKind
     std::int64_t count = 0;                       ///< number of impacts over all ranks, if they are listed

@@ -10,10 +10,11 @@ namespace crumple {
 
 /// Kind of failure.
 enum class ErrorCode : std::uint8_t {
-    invalid_argument,     ///< a shape, an option or a combination of them is invalid
-    not_finite,           ///< a vertex has a NaN or an infinite coordinate
-    index_out_of_range,   ///< a triangle, an edge or a point names a vertex that does not exist
-    memory_limit,         ///< records or result do not fit; see Error::bytes_needed
+    invalid_argument,    ///< a shape, an option or a combination of them is invalid
+    not_finite,          ///< a vertex has a NaN or an infinite coordinate
+    index_out_of_range,  ///< a triangle, an edge or a point names a vertex that does not exist
+    memory_limit,  ///< the search, or its result, does not fit in Options::memory_limit, or memory is exhausted; see
+                   ///< Error::bytes_needed
     backend_unavailable,  ///< the requested backend was not built or has no device
     file,                 ///< a file cannot be opened, read or written
     format,               ///< the content of a file violates its format

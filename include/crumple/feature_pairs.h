@@ -27,7 +27,7 @@ namespace crumple {
 struct PairImpactQuery {
     double min_distance = 0;        ///< as ImpactQuery::min_distance
     double min_distance_share = 0;  ///< as ImpactQuery::min_distance_share
-    int threads = 0;                ///< 0: all of the machine
+    int threads = 0;                ///< number of threads; 0: as many as the machine has
     bool approaching_only = false;  ///< as ImpactQuery::approaching_only
 };
 
@@ -57,7 +57,8 @@ struct PairDistances {
     Array<std::array<double, 2>> at;
 };
 
-/// Returns the distance of each pair of one kind. `threads` 0: all of the machine. Cost: about 0.6 us per pair.
+/// Returns the distance of each pair of one kind. `threads`: their number; 0: as many as the machine has. Cost: about
+/// 0.6 us per pair.
 CRUMPLE_API PairDistances pair_distances(FeatureKind kind, const VertexView& points, int threads = 0,
                                          std::stop_token stop = {});
 

@@ -85,12 +85,14 @@ struct ImpactList {
     Array<std::uint8_t> start;  ///< 1: touch at the start (approaching_only: and approach at once); toi is exactly 0
 
     // For ImpactQuery::index, a single mesh only:
-    Array<std::int64_t> offsets;         ///< impacts with first feature i: [offsets[i], offsets[i + 1])
-    Array<std::int64_t> second_offsets;  ///< offsets into `by_second` by second feature
-    Array<std::int64_t> by_second;       ///< positions in `pairs`, by second feature, then first
+    Array<std::int64_t> offsets;  ///< impacts with first feature i: [offsets[i], offsets[i + 1])
+    /// Pairs with second feature j: by_second[k] for k in [second_offsets[j], second_offsets[j + 1]).
+    Array<std::int64_t> second_offsets;
+    Array<std::int64_t> by_second;  ///< positions in `pairs`, sorted by second feature, then by first
 };
 
-/// Impact with the least rounded `toi`; of several, the first in the order of the lists.
+/// Impact with the least rounded `toi`; of several, the first by kind, in the order of FeatureKind, then by the order
+/// of its list.
 struct FirstImpact {
     bool found = false;
     FeatureKind kind = FeatureKind::vertex_face;
@@ -103,7 +105,8 @@ struct FirstImpact {
 
 /// Result of a FreeStepQuery.
 struct FreeStep {
-    double share = 0;  ///< 0 to 1, the smallest of all shares; 1: the whole step is free
+    /// Smallest share of the step that any vertex, body or world may go, 0 to 1; 1: the whole step is free.
+    double share = 0;
     /// 3 per vertex: start + s (end - start), where s is the share of the vertex, its body or its world; rounded to the
     /// precision of the mesh or body. For worlds the posed vertices, body after body.
     Array<double> positions;
@@ -113,7 +116,7 @@ struct FreeStep {
     BodyPair intersecting_bodies{};
 
     Array<double> vertex_shares;  ///< 1 per vertex, for Held::vertices
-    Array<double> body_shares;    ///< otherwise, for worlds and two meshes: 1 per body
+    Array<double> body_shares;    ///< 1 per body, for other values of FreeStepQuery::held, for worlds and two meshes
     /// For worlds and two meshes: body b has vertices [first_vertex[b], first_vertex[b + 1]).
     Array<std::int64_t> first_vertex;
 };

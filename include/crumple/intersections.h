@@ -49,10 +49,11 @@ struct Statistics {
     std::array<double, stage_count> stage_milliseconds{};  ///< summed over threads
     std::int64_t triangles = 0;
     std::int64_t clusters = 0;        ///< clusters of the first level of subdivision
-    std::int64_t leaves = 0;          ///< leaf clusters that were swept
+    std::int64_t leaves = 0;          ///< leaves: the final clusters, whose members are swept together
     std::int64_t members = 0;         ///< triangles of all leaves, counted once per leaf
-    std::int64_t interval_tests = 0;  ///< pairs whose intervals along the sweep direction overlap
-    std::int64_t box_overlaps = 0;    ///< candidate pairs found by the sweep
+    std::int64_t interval_tests = 0;  ///< box tests of the sweep: pairs whose intervals along the sweep direction
+                                      ///< overlap, or nearly, because their ends are rounded to bins
+    std::int64_t box_overlaps = 0;    ///< candidates: pairs of triangles that the sweep passes to `narrow`
     // Tests of pairs of triangles or, in queries about features, of pairs of features:
     std::int64_t edge_tests = 0;      ///< tests of candidate pairs that no plane or direction separates
     std::int64_t double_tests = 0;    ///< tests left undecided by float32 filters
@@ -71,7 +72,7 @@ struct Statistics {
     double operator[](Stage stage) const { return stage_milliseconds[static_cast<std::size_t>(stage)]; }
 };
 
-/// Treatment of adjacent triangles: pairs that share a vertex.
+/// Treatment of pairs of adjacent triangles, that is, of triangles that share a vertex.
 enum class Neighbours : std::uint8_t {
     /// Intersect if they also meet outside the convex hull of the vertices that they share. Two triangles that are
     /// folded onto each other at a common edge do; a hinge, whose triangles meet only in their common edge, does not.
@@ -130,8 +131,9 @@ struct Intersections {
     bool any = false;        ///< true if anything intersects
     std::int64_t count = 0;  ///< number of pairs of triangles if they are counted or listed, else 0
 
-    Array<std::uint8_t> world_hit;     ///< for worlds, per world: 1 if something intersects (not for Output::any)
-    Array<std::int64_t> world_counts;  ///< for worlds, per world: number of pairs of triangles (Output::count and more)
+    Array<std::uint8_t> world_hit;  ///< for worlds, per world: 1 if something intersects (not for Output::any)
+    /// For worlds, per world: number of pairs of triangles; for Output::count, pairs and contacts.
+    Array<std::int64_t> world_counts;
 
     /// For worlds, the bodies of each pair; for Output::body_pairs each intersecting pair of bodies once. Else empty.
     Array<BodyPair> bodies;
@@ -147,6 +149,7 @@ struct Intersections {
 
     // For a mesh, two meshes, and parts:
     Array<std::int64_t> offsets;  ///< pairs with first triangle i: [offsets[i], offsets[i + 1]); m + 1 for m triangles
+                                  ///< of the first mesh
     Array<std::uint8_t> hit_second;  ///< 1 for each triangle of the second mesh in some pair; empty for one mesh
 
     /// 1 for each triangle that is in some pair: triangles of the first mesh, or of all bodies, one after another (see
@@ -172,17 +175,17 @@ struct DeviceIntersections {
     /// Number of pairs; if the result is incomplete, the number found so far, a lower bound.
     std::int64_t pairs_needed = 0;
     bool any = false;        ///< true if anything intersects
-    std::int64_t count = 0;  ///< pairs of triangles
+    std::int64_t count = 0;  ///< number of pairs of triangles
 
-    const BodyPair* bodies = nullptr;  ///< count: the bodies of each pair, for worlds; null for less than Output::pairs
-    const Pair* pairs = nullptr;       ///< count; null for less than Output::pairs
-    const ContactKind* contact_kinds = nullptr;             ///< count; null unless requested
-    const std::int64_t* contact_offsets = nullptr;          ///< count + 1
+    const BodyPair* bodies = nullptr;  ///< count: the bodies of each pair, for worlds; null if pairs are not listed
+    const Pair* pairs = nullptr;       ///< count; null if pairs are not listed
+    const ContactKind* contact_kinds = nullptr;             ///< count; null unless contacts are requested
+    const std::int64_t* contact_offsets = nullptr;          ///< count + 1: see Contacts
     const std::array<double, 3>* contact_points = nullptr;  ///< contact_point_count
     std::int64_t contact_point_count = 0;
 
     // For a mesh, and two meshes:
-    const std::int64_t* offsets = nullptr;     ///< hit_count + 1
+    const std::int64_t* offsets = nullptr;     ///< hit_count + 1: see Intersections::offsets
     const std::uint8_t* hit = nullptr;         ///< hit_count: triangles of the first mesh
     const std::uint8_t* hit_second = nullptr;  ///< hit_second_count; null for one mesh
     std::int64_t hit_count = 0, hit_second_count = 0;

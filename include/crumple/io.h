@@ -44,9 +44,9 @@ struct ReadOptions {
     Weld weld = Weld::automatic;
     std::string group_property = {};  ///< PLY: integer face property that holds the groups; empty: no groups
     Triangulation triangulation = Triangulation::ears;
-    bool strict = false;  ///< warnings are errors
-    bool lines_and_points =
-        false;  ///< OBJ: reads `l` and `p` elements, too; PLY without faces: its vertices are points
+    bool strict = false;  ///< true: an oddity of the file that deserves a warning is an Error instead
+    /// OBJ: reads `l` and `p` elements, too; PLY without faces: its vertices are points.
+    bool lines_and_points = false;
     /// Requested unit. Coordinates in another unit are converted to it; a file without a unit is assumed to have it.
     /// `unknown`: keeps the unit of the file.
     Unit unit = Unit::unknown;
@@ -68,7 +68,7 @@ struct Polygons {
 struct CRUMPLE_API TriangleMesh {
     std::variant<std::vector<float>, std::vector<double>> vertices;  ///< 3n coordinates
     std::vector<std::int32_t> triangles;                             ///< 3m indices
-    std::vector<std::int32_t> groups = {};                           ///< m ids or empty
+    std::vector<std::int32_t> groups = {};                           ///< m group ids, or empty
     Polygons polygons = {};                  ///< polygons of the file; written if WriteOptions::polygons is set
     std::vector<std::string> warnings = {};  ///< warnings about the file, one sentence each
     std::vector<Edge> lines = {};            ///< segments of lines, with ReadOptions::lines_and_points

@@ -46,20 +46,20 @@ struct Options {
     /// Clusters of the first level of subdivision, 1 to 64 (the cuda backend makes at most 63 for two meshes); 0:
     /// chosen from the number of triangles.
     int clusters = 0;
-    int leaf_size = 3000;  ///< target number of triangles per leaf (final cluster); larger ones are subdivided again
+    int leaf_size = 3000;  ///< target number of triangles per leaf: larger clusters are divided once more, if that pays
     FuzzyCMeans fuzzy_c_means = {};
     Simd simd = Simd::automatic;
     int device = 0;  ///< CUDA device: its number in list_devices()
     /// Replaces `device`, which must then be 0: up to 64 different devices that share the work of queries about one
     /// mesh in host memory (intersections, motion and nearness). The first device alone handles two meshes, worlds,
-    /// device memory, blocks, parts, codimensional edges and points, radii, rings, rest shapes, feature queries with
-    /// `weld`, candidates, and all queries under a memory limit.
+    /// device memory, blocks, parts, codimensional edges and points (MeshView::edges, MeshView::points), radii, rings,
+    /// rest shapes, feature queries with `weld`, candidates, and all queries under a memory limit.
     std::vector<int> devices = {};
 
     /// Returns the device that holds the detector's arrays.
     int first_device() const { return devices.empty() ? device : devices.front(); }
 
-    /// Thread pool that the cpu backend uses instead of `threads` threads of its own; null: oneTBB's.
+    /// Thread pool of the cpu backend, which then ignores `threads`. Null: the backend has `threads` threads of oneTBB.
     std::shared_ptr<Executor> executor = {};
 };
 

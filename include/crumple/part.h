@@ -88,7 +88,8 @@ struct Part {
     std::int32_t index = 0, count = 1;  ///< index of this part, and number of parts
     PartMesh mesh;                      ///< triangles of the single mesh, or of the first of two
     std::optional<PartMesh> second;     ///< triangles of the second of two meshes; pairs are then across the two only
-    std::vector<PartLevel> levels;  ///< top level first: one level for up to 64 parts, two for up to 4,096, at most 4
+    std::vector<PartLevel>
+        levels;  ///< top level first: one for up to 64 parts, two for up to 4,096, else three; find() accepts up to 4
     std::optional<PartFeatures> features;  ///< for queries about motion or nearness
 
     /// Returns the number of triangles, of both meshes together if there are two.

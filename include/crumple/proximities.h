@@ -80,9 +80,10 @@ struct ProximityList {
     Array<std::array<double, 2>> at;
 
     // For ProximityQuery::index, a single mesh only:
-    Array<std::int64_t> offsets;         ///< pairs with first feature i: [offsets[i], offsets[i + 1])
-    Array<std::int64_t> second_offsets;  ///< offsets into `by_second` by second feature
-    Array<std::int64_t> by_second;       ///< positions in `pairs`, by second feature, then first
+    Array<std::int64_t> offsets;  ///< pairs with first feature i: [offsets[i], offsets[i + 1])
+    /// Pairs with second feature j: by_second[k] for k in [second_offsets[j], second_offsets[j + 1]).
+    Array<std::int64_t> second_offsets;
+    Array<std::int64_t> by_second;  ///< positions in `pairs`, sorted by second feature, then by first
 };
 
 /// Result of a ProximityQuery. A plain value: copy it to keep it beyond the detector's next call.

@@ -371,7 +371,7 @@ class Detector:
         Returns
         -------
         Impacts
-            Each impact is on the rank whose triangle owns its first feature.
+            Each impact is on the rank that provided the lowest triangle of its first feature.
 
         Raises
         ------
@@ -410,7 +410,7 @@ class Detector:
         Returns
         -------
         Proximities
-            Each pair is on the rank whose triangle owns its first feature.
+            Each pair is on the rank that provided the lowest triangle of its first feature.
 
         Raises
         ------

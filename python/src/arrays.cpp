@@ -68,7 +68,7 @@ bool may_be_cells(const BorrowedArray& a) {
     if (a.device != BorrowedArray::on_host || a.shape[0] == 0 || a.shape[0] % 4 != 0) return false;
     const std::size_t size = a.number == Number::int64 ? sizeof(std::int64_t) : sizeof(std::int32_t);
     for (std::int64_t i = 0; i < a.shape[0]; i += 4) {
-        std::int64_t index = 0;  // int32 indices are never 3 on big-endian machines
+        std::int64_t index = 0;  // on big-endian machines int32 cells are not detected
         std::memcpy(&index, static_cast<const std::byte*>(a.data) + i * a.strides[0], size);
         if (index != 3) return false;
     }

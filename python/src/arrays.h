@@ -39,9 +39,9 @@ struct BorrowedArray {
     const void* data = nullptr;
     Number number = Number::other;
     static constexpr int most_dimensions = 4;
-    int dimensions = 0;                                            ///< 1 to 4; 0 if there are more or none
-    std::array<std::int64_t, most_dimensions> shape{}, strides{};  ///< strides in bytes
-    int device = on_host;                                          ///< number of the CUDA device that contains it
+    int dimensions = 0;  ///< number of axes, 1 to 4; 0 if the array has none, or more than 4
+    std::array<std::int64_t, most_dimensions> shape{}, strides{};  ///< of each axis; strides are in bytes
+    int device = on_host;  ///< number of the CUDA device whose memory has the array
 };
 
 /// Imports NumPy before the first use of an array, so that `import crumple` stays fast.

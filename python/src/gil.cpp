@@ -60,8 +60,9 @@ void WithoutGil::watch_exit() {
     pthread_atfork(nullptr, nullptr, [] { all_ = nullptr; });
 }
 
-// Stops all work and waits for it, because work that continues while static objects are destroyed may crash the
-// process. Runs after the interpreter has ended: no thread gets the GIL any more, so the list does not change.
+// Requests a stop of all work and waits for it as AtExit describes, because work that continues while static objects
+// are destroyed may crash the process. Runs after the interpreter has ended: no thread gets the GIL any more, so the
+// list does not change.
 void WithoutGil::end_all() {
     using Clock = std::chrono::steady_clock;
     const auto patience = Clock::now() + std::chrono::seconds(1);

@@ -112,7 +112,7 @@ void bind_intersections(nb::module_& module) {
 
 // Python names of the arrays of a list.
 struct ListNames {
-    std::string pairs, prefix;  ///< "vertex_faces", "vertex_face_"
+    std::string pairs, prefix;  ///< for example "vertex_faces" and "vertex_face_"
     const char *offsets, *second_offsets, *by_second;
 };
 
@@ -123,7 +123,8 @@ const ListNames feature_lists[feature_kinds] = {
     {"vertex_vertices", "vertex_vertex_", "vertex_vertex_offsets", "second_vertex_offsets", "by_second_vertex"},
 };
 
-// Binds the arrays of the list that list_of(result) returns. `value`, `flag`: end of the names of values and flags.
+// Binds the arrays of the list that list_of(result) returns. `value` and `flag`: last parts of the names of the arrays
+// of values and of flags, such as "toi" and "start".
 template <class Result, class ListOf>
 void bind_list(Binding<Result>& result, ListOf list_of, const ListNames& names, const char* value, const char* flag) {
     result.template array<std::int32_t>(

@@ -81,7 +81,7 @@ class BorrowedPoses {
 struct BorrowedWorld {
     std::shared_ptr<const Bodies> bodies;
     BorrowedPoses poses;
-    BorrowedPoses end_poses;  ///< empty: the same as `poses`
+    BorrowedPoses end_poses;  ///< poses at the end of a step; empty: the same as `poses`
 };
 
 /// Returns the world that a method is called on or with. Throws Error if it was not constructed, because a subclass did

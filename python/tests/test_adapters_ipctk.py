@@ -227,7 +227,7 @@ def test_intersections_with_rods_match_brute_force(faces, rods):
 
 
 @pytest.mark.parametrize("edges, found", [([[0, 1], [5, 3]], [(0, 1), (1, 0)]), ([[5, 3]], [(0, 0)]), ([], [])])
-def test_edge_face_candidates_number_listed_edges_only(edges, found):
+def test_edge_face_candidates_use_numbers_of_listed_edges(edges, found):
     broad_phase = adapter.BroadPhase()
     broad_phase.build(CROSSED, np.reshape(edges, (-1, 2)).astype(int), BOTH)
     assert [(c.edge_id, c.face_id) for c in broad_phase.detect_edge_face_candidates()] == found

@@ -61,7 +61,7 @@ def test_results_equal_those_of_the_command_line(name, tmp_path, detector):
 
 @pytest.mark.parametrize("query", QUERIES)
 @pytest.mark.parametrize("name", SCENES)
-def test_every_query_agrees_with_brute_force(name, query, detector):
+def test_intersections_with_query_options_match_brute_force(name, query, detector):
     mesh, reference = small(name), crumple.Detector(backend="reference")
     options = {**QUERIES[query], "output": "contacts"}
     same(detector.intersections(mesh, **options), reference.intersections(mesh, **options))

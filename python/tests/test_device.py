@@ -379,7 +379,7 @@ def test_both_meshes_of_a_launch_are_ready_on_its_stream(cuda, cpu, stream, numb
 
 
 @pytest.mark.skipif(not ON_CPU, reason="PyTorch, which made the arrays, follows the address")
-def test_a_stream_of_any_address_is_passed_to_dlpack(cuda):
+def test_stream_with_a_huge_address_is_passed_to_dlpack(cuda):
     address = 2**64 - 16
     producers = [Producer(array) for array in (START, FACES)]
     with pytest.raises(crumple.Error):  # no stream has this address

@@ -77,7 +77,7 @@ def test_flat_faces_are_not_copied(detector):
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000  # KiB
 
 
-def test_flat_faces_that_look_like_cells_can_be_given_as_rows(detector):
+def test_flat_faces_that_look_like_cells_are_refused_but_not_rows(detector):
     tetrahedron = np.array([[3, 0, 1], [0, 3, 2], [1, 2, 3], [0, 1, 2]])
     with pytest.raises(crumple.InvalidInput, match="^faces look like cells"):
         detector.intersections(MESH.vertices[:4], tetrahedron.ravel())
@@ -357,7 +357,7 @@ def test_arrays_in_cuda_memory_are_made_ready_on_a_stream(detector, kind):
 
 
 @pytest.mark.parametrize(("kind", "stream"), [(1, {}), (2, {"stream": 1})])
-def test_read_only_arrays_are_requested_again_with_a_version(detector, kind, stream):
+def test_read_only_arrays_are_requested_again_as_versioned_dlpack(detector, kind, stream):
     vertices = Producer(MESH.vertices, kind, [BufferError("read-only")])
     faces = MESH.faces if kind == 1 else Producer(MESH.faces.astype(np.int16))
     if kind == 1:

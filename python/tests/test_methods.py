@@ -277,7 +277,7 @@ def test_candidates_support_neither_any_nor_partition(detector):
             deliver(MESH, crumple.CandidateQuery())
 
 
-def test_equal_arguments_of_another_type_are_still_refused(detector):
+def test_int_is_refused_for_a_flag_after_an_equal_bool(detector):
     detector.intersections(MESH, weld=True)
     with pytest.raises(crumple.InvalidType, match="weld must be True or False, not int"):
         detector.intersections(MESH, weld=1)

@@ -125,7 +125,7 @@ def test_index_lists_the_near_pairs_of_each_feature(either):
     check_index(either.proximities(mesh, radius=0.2, index=True), len(mesh.vertices), len(mesh.faces))
 
 
-def test_least_distances_with_groups_are_of_listed_pairs(either):
+def test_least_distances_respect_group_filters(either):
     mesh = soup(10, size=0.5)
     found = either.proximities(
         mesh, groups=np.arange(10) % 2, radius=0.5, least=True, filter=crumple.PairFilter(groups="between")

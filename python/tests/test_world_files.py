@@ -128,7 +128,7 @@ def test_file_3mf_keeps_the_bodies_of_a_world(tmp_path, detector):
     assert np.allclose(theirs.bounds, [given.mesh.vertices.min(axis=0), given.mesh.vertices.max(axis=0)])
 
 
-def test_any_mesh_file_is_a_world_of_one_body(tmp_path, detector):
+def test_mesh_file_is_a_world_of_one_body(tmp_path, detector):
     mesh = soup(30, size=0.5)
     crumple.write_mesh(tmp_path / "part.ply", mesh)
     world = crumple.read_world(tmp_path / "part.ply")

@@ -81,7 +81,7 @@ def test_unposed_bodies_give_the_results_of_their_meshes(detector):
 
 
 @pytest.mark.parametrize("named", [False, True])
-def test_configurations_give_the_results_of_a_loop(named, detector):
+def test_configurations_give_the_results_of_one_search_each(named, detector):
     random = np.random.default_rng(3)
     shape = crumple.Shape(soup(20, size=0.5), name="of configurations" if named else None)
     names = ["upper", "lower", "hand", "table", "wall"]
@@ -202,7 +202,7 @@ def test_changes_of_the_array_of_poses_affect_the_next_search(detector):
     assert world.poses is None and detector.intersections(world)
 
 
-def test_body_objects_and_columns_give_the_same_result(detector):
+def test_body_objects_and_arrays_of_bodies_give_the_same_result(detector):
     columns = random_columns(7)
     shapes = [crumple.Shape(shape) for shape in columns.shapes]
     bodies = [

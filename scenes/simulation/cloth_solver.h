@@ -34,8 +34,8 @@ namespace crumple::scenes {
 struct ClothProperties {
     double gravity = 9.81;        ///< units / s², downwards
     double drag = 0.5;            ///< relative deceleration by the air, 1 / s
-    double shear_speed = 0;       ///< of shear waves, units / s; higher: stiffer. Warp and weft do not stretch
-    double bend_speed = 0;        ///< of bending waves, carried by the springs across edges, units / s
+    double shear_speed = 0;       ///< speed of shear waves, units / s; higher: stiffer. (Warp and weft do not stretch.)
+    double bend_speed = 0;        ///< speed of waves that the springs across edges carry, units / s; higher: stiffer
     double thickness = 0;         ///< distance that the sheet keeps from itself and from obstacles, units
     double clearance = 0;         ///< distance that the sheet keeps from bodies in advance(), units
     double separation_speed = 0;  ///< highest speed of points that leave a contact, units / s

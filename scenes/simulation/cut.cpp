@@ -37,7 +37,7 @@ class MeshSlicer {
 
     /// Returns the place at which a cut crosses the edge, 0 at its lower index and 1 at the other, or nothing.
     std::optional<double> share_of(Edge edge) const {
-        constexpr double least = 0.1;  // distance from the ends, to avoid slivers
+        constexpr double least = 0.1;  // least distance from either end, as a share of the edge, to avoid slivers
         for (const Cut& cut : cuts_) {
             const double a = height_above(cut, edge.first), b = height_above(cut, edge.second);
             if ((a < 0) == (b < 0)) continue;
@@ -89,8 +89,8 @@ class MeshSlicer {
 
     void split(const Fabric::Corners& t) {
         auto& triangles = result_.fabric.triangles;
-        for (std::size_t k = 0; k < 3;
-             ++k) {  // finds a, which is alone on its side of a cut, or a and b, if only the edge a b is crossed
+        // Finds the corner a that is alone on its side of a cut or, if only one edge is crossed, that edge from a to b.
+        for (std::size_t k = 0; k < 3; ++k) {
             const std::int32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
             const CutPoint *ab = crossing_of(a, b), *bc = crossing_of(b, c), *ca = crossing_of(c, a);
             if (!ab || bc) continue;

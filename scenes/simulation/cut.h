@@ -31,7 +31,7 @@ struct CutFabric {
 
     Fabric fabric;                     ///< begins with the points of the uncut fabric
     std::map<Key, std::int32_t> made;  ///< indices of the points on the uncut fabric's edges
-    std::vector<double> shares;        ///< by index of such a point: its place on the edge, from low (0) to high (1)
+    std::vector<double> shares;        ///< for each of these, by index: place on its edge, from low (0) to high (1)
 };
 
 /// Returns the fabric with cuts. No edge may be crossed by two of the cuts.

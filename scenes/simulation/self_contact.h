@@ -21,8 +21,8 @@ struct SelfContact {
     std::int32_t point;
     Fabric::Corners triangle;
     std::array<double, 3> weights;  ///< barycentric coordinates of the point's projection to the triangle
-    double side;                    ///< 1 if the point is on the side to which the triangle's normal points, else -1
-    double distance;                ///< distance between the point and the triangle's plane
+    double side;      ///< 1 if the point is on the side of the triangle's normal, or in its plane; else -1
+    double distance;  ///< distance between the point and the triangle's plane
 };
 
 class SelfContactFinder {

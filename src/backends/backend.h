@@ -102,7 +102,8 @@ class BackendBase : public ParallelFor {
     /// Swaps the cache of the previous call's scene with `memory`, which holds that of another scene or is null.
     virtual void swap_memory(std::unique_ptr<SceneMemory>&) {}
 
-    /// Frees everything that is cached between calls: memory and warm-start centres.
+    /// Frees everything that is cached between calls: memory, and the cluster centres from which the next call would
+    /// start.
     virtual void release() = 0;
 };
 

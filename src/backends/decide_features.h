@@ -28,11 +28,11 @@ struct FeatureCounts {
 FeatureDecision decide(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
                        const FeatureRequest& query, FeatureCounts& counts);
 
-/// Returns true if an impact of two features would certainly have a later rounded time than `time`.
+/// Returns true if two features certainly have no impact whose rounded time is `time` or before.
 bool surely_later(FeatureKind kind, const PreparedScene& scene, const std::int32_t (&vertex)[4],
                   const FeatureRequest& query, double time);
 
-/// Decides a pair whose input a device has packed.
+/// Decides a pair that a device could not decide, from the input that it has passed to the host.
 FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts);
 
 /// Decides a proximity, but leaves the distance of a near pair to SIMD lanes: adds the pair to `batch`, which must not

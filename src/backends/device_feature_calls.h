@@ -3,9 +3,9 @@
 // Part of the backend interface: feature queries on meshes in device memory. Only the cuda backend implements it.
 //
 // The host derives edges, and the triangle that owns each feature, from a copy of the mesh's triangles and
-// codimensional edges and points. A request refers to the features of the last copy, whose counts must match the mesh.
-// If a call finds that the contents of the mesh differ from that copy, it reports this, and the caller repeats the call
-// with new features.
+// codimensional edges and points (MeshView::edges, MeshView::points). A request refers to the features of the last
+// copy, whose counts must match the mesh. If a call finds that the contents of the mesh differ from that copy, it
+// reports this, and the caller repeats the call with new features.
 
 #include <cstddef>
 #include <cstdint>

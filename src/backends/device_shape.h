@@ -19,7 +19,7 @@ struct DeviceShape {
 
 /// Contents of a copy of a shape.
 enum class Copied : std::uint8_t {
-    topology,  ///< triangles, codimensional edges and points; all vertices at the origin
+    topology,  ///< triangles, Shape::edges and Shape::points; all vertices at the origin
     all,
 };
 

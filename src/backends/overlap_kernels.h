@@ -30,22 +30,22 @@ struct BlockSums {
 struct FaceBlock {
     static constexpr int size = 64;
     int count = 0;
-    alignas(64) double corner[3][3][size];  ///< by corner, axis
+    alignas(64) double corner[3][3][size];  ///< by corner, axis and face
     double times[size];                     ///< integer by which the terms of a face are multiplied
 };
 
-/// Segments in which a face of a crosses a face of b, in one array per coordinate. Arrays are padded from `count` to a
-/// multiple of WordSum::most_lanes by copies of a segment with `in_volume` and `times` 0. A segment's start and end are
-/// points at which an edge of one of its faces crosses the other face.
+/// Segments (exact/overlap/segment.h) in which a face of a crosses a face of b, in one array per coordinate. Arrays are
+/// padded from `count` to a multiple of WordSum::most_lanes by copies of a segment with `in_volume` and `times` 0. A
+/// segment's start and end are points at which an edge of one of its faces crosses the other face.
 struct SegmentBlock {
     static constexpr int size = 64;
     int count = 0;
     // First index: 0 for the segment's start, 1 for its end.
     alignas(64) double from[2][3][size], to[2][3][size];  ///< both ends of the crossing edge
-    double face[2][3][3][size];                           ///< corners of the crossed face
-    double share[2][size];                                ///< point on the edge: 0 at `from`, 1 at `to`, −1 elsewhere
-    double of_b[2][size];                                 ///< 1: the edge belongs to b; 0: to a
-    double jump[2][size];                                 ///< jump of the winding number if the edge is 12, else 0
+    double face[2][3][3][size];                           ///< corners of the crossed face, by corner and axis
+    double share[2][size];  ///< 0 or 1 if the point is exactly at `from` or `to`; else −1: it has to be computed
+    double of_b[2][size];   ///< 1: the edge belongs to b; 0: to a
+    double jump[2][size];   ///< SegmentEnd::jump if the edge runs from corner 1 to corner 2 of its face, else 0
     // First index: 0 for the face of a, 1 for that of b.
     double first[2][3][size];  ///< first corners of both faces
     // By segment:
@@ -56,8 +56,8 @@ struct SegmentBlock {
 struct OverlapKernels {
     /// Computes sums over faces: the volume and, if `numbers`, the first moment. Points are taken relative to `origin`.
     void (*add_faces)(const FaceBlock& block, const Vec3d& origin, bool numbers, BlockSums& sums);
-    /// Computes sums over segments: the volume and, if `numbers`, all others. Leaves out segments whose ends are too
-    /// uncertain, and returns a mask of these: bit i for segment i.
+    /// Computes sums over segments: the volume and, if `numbers`, all others. Leaves out segments with an end that is
+    /// computed too inaccurately, and returns a mask of these: bit i for segment i.
     std::uint64_t (*add_segments)(const SegmentBlock& block, const Vec3d& origin, bool numbers, BlockSums& sums);
 };
 

@@ -35,7 +35,8 @@ class PairBudget {
 
     const PreparedScene& scene_;
     const IntersectionQuery& query_;
-    std::int64_t most_pairs_ = std::numeric_limits<std::int64_t>::max();  ///< number of pairs that fit the limit
+    /// Number of pairs whose result fits the limit.
+    std::int64_t most_pairs_ = std::numeric_limits<std::int64_t>::max();
     std::atomic<std::int64_t> found_{0};
 };
 

@@ -25,7 +25,7 @@ namespace crumple {
 
 /// Occurrence of a body in the scene.
 struct alignas(16) StaticBody {
-    std::uint32_t first_vertex = 0;  ///< in the scene
+    std::uint32_t first_vertex = 0;  ///< number of its first vertex in the scene
     std::uint32_t shape_vertex = 0;  ///< first vertex of its shape, in StaticWorlds::shape_vertices()
     std::int32_t body = 0;           ///< index in World::bodies
     std::uint32_t float32 = 1;       ///< 1 if its posed vertices are rounded to float32
@@ -87,21 +87,23 @@ class StaticWorlds {
     MemoryMeter& meter_;
     std::vector<Shape> shapes_;  ///< the arrays that they view may no longer exist
     Array<Body> all_;            ///< the caller's bodies
-    PairFilter given_;
-    std::vector<Array<std::uint64_t>> contents_;  ///< by shape: the numbers that its name does not identify
+    PairFilter given_;           ///< the caller's pair filter
+    /// Contents of each shape that its name does not identify, as numbers: groups and, if it has no name, positions and
+    /// triangles.
+    std::vector<Array<std::uint64_t>> contents_;
     BodyFilter body_filter_;
     std::unique_ptr<Read> read_;
     PreparedScene scene_;
     Array<std::byte> shape_vertices_;
-    std::vector<std::uint32_t> shape_first_;
+    std::vector<std::uint32_t> shape_first_;  ///< by shape: its first vertex in shape_vertices_
     Array<StaticBody> bodies_;
     Array<std::int64_t> first_of_occurrence_;  ///< first triangle of each of `bodies_`; and the end
     Array<std::int32_t> first_of_class_;
-    Array<std::int64_t>
-        first_of_caller_world_;  ///< first triangle of each of the caller's worlds; then of the last section
+    /// First triangle of each of the caller's worlds; then that of the last section.
+    Array<std::int64_t> first_of_caller_world_;
     Array<std::int64_t> first_of_scene_world_;  ///< first triangle of each world of the scene; and the end
-    Array<std::int32_t>
-        caller_worlds_;  ///< for each world of the scene, the caller's world; worlds() for the last section
+    /// Caller's world for each world of the scene; worlds() for the last section.
+    Array<std::int32_t> caller_worlds_;
 };
 
 }  // namespace crumple

@@ -16,8 +16,8 @@ namespace crumple {
 /// at most, from any thread.
 class Cancellation {
    public:
-    /// Shortest time between two polls, for all detectors. Tests set 0, so that each check() on the caller's thread
-    /// polls, and count the polls. Must not change during a call.
+    /// Shortest time between two polls (calls of the poll function of a detector), for all detectors. Tests set 0, so
+    /// that each check() on the caller's thread polls, and count the polls. Must not change during a call.
     static inline std::chrono::milliseconds poll_interval{20};
 
     void set_poll(std::function<void()> poll) { poll_ = std::move(poll); }
@@ -45,7 +45,7 @@ class Cancellation {
     std::stop_token stop_;
     std::function<void()> poll_;
     std::thread::id caller_;
-    Clock::time_point polled_;  ///< only the caller's thread reads and writes it
+    Clock::time_point polled_;  ///< time of the last poll, or of begin(); used by the caller's thread only
 };
 
 }  // namespace crumple

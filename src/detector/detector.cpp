@@ -64,7 +64,7 @@ struct Detector::Implementation : MeshCalls {
         if (const char* why = refusal(scene, query); *why) refuse(why);
     }
 
-    // Queries about a step, made of impact queries:
+    // Queries about a step that consist of impact queries:
 
     const FirstImpact& find(const Scene& scene, const FirstImpactQuery& query, std::stop_token stop) {
         ImpactQuery impacts_of = query;

@@ -47,7 +47,7 @@ struct DetectorState {
     Backend working = Backend::cpu;  ///< type of `backend`
     std::unique_ptr<BackendBase> backend;
     std::string fallback;
-    std::int64_t bytes_before_launch = 0;  ///< bytes in use when the last launch began
+    std::int64_t bytes_before_launch = 0;  ///< metered bytes in use when the last launch began
 
     // Storage of the result of each query:
     Intersections& result_of(const IntersectionQuery&) { return result; }
@@ -125,7 +125,8 @@ struct DetectorState {
         run_above(meter.used, attempt, again, [](const Error&) { return false; });
     }
 
-    /// Guards a launch (run_launch) or the wait for its result (run_wait). Without a retry if memory is short.
+    /// Guards a launch (run_launch) or the wait for its result (run_wait): floating-point environment, cancellation,
+    /// memory limit. Does not try again if the memory limit is exceeded.
     template <class Work>
     LaunchNumber run_launch(Work work) {
         LaunchNumber launched = 0;

@@ -1,4 +1,5 @@
-// Exact decisions about pairs of features that the caller lists, `pairs_of_task` pairs per task.
+// Exact decisions about pairs of features that the caller lists (crumple/feature_pairs.h), without a search. Several
+// threads share the pairs; a task has `pairs_of_task` of them.
 
 #include "crumple/feature_pairs.h"
 

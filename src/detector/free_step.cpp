@@ -124,8 +124,8 @@ class Step {
     std::vector<Shape> shapes_;
     std::vector<Body> bodies_;
     std::size_t worlds_ = 0;
-    std::vector<std::int64_t> first_vertex_;  ///< 1 per body, then the number of vertices
-    std::vector<bool> float32_;               ///< by body
+    std::vector<std::int64_t> first_vertex_;  ///< first vertex of each body, then the number of vertices
+    std::vector<bool> float32_;               ///< per body: true if its positions are float32
     Array<double> start_, end_;
 };
 
@@ -228,7 +228,7 @@ class Units {
     Held held_;
     std::vector<double> share_, earliest_;
     std::vector<std::size_t> cuts_;
-    std::vector<std::uint8_t> blocked_at_start_;  ///< by body: 1 if its world is held at the start
+    std::vector<std::uint8_t> blocked_at_start_;  ///< per body: 1 if its world is held at the start
 };
 
 /// True if bodies that are in all worlds can have impacts among themselves. Such an impact belongs to no world, so

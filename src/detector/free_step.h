@@ -1,6 +1,7 @@
 #pragma once
 
-// Shortens a step so that nothing touches: tries it, cuts it, and verifies the rounded positions.
+// Shortens a step until nothing touches: finds the impacts, cuts the shares of the step that the bodies or vertices
+// take, and repeats with the rounded end positions.
 
 #include "crumple/function_ref.h"
 #include "crumple/impacts.h"

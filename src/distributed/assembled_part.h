@@ -1,7 +1,7 @@
 #pragma once
 
 // A part of the scene (crumple/part.h) on the rank that owns it, that is, searches it. It is assembled from the deltas
-// that all ranks send (members.h), in the form that searches read:
+// (changes since the previous call) that all ranks send (members.h), in the form that searches read:
 //
 //     vertices    run | run | run ...      a run: consecutive vertices of one rank's list for this part
 //     triangles   by ascending id, from all ranks, each with the rank that provided it
@@ -30,9 +30,11 @@ struct RankDelta {
 
 class AssembledPart {
    public:
-    /// `levels`: the cluster of the part in each level; masks are empty.
+    /// `levels`: for each level of clusters, the cluster that contains the part; without masks of triangles, which
+    /// take() fills in.
     AssembledPart(std::int32_t index, int count, std::vector<PartLevel> levels, bool float32, bool groups);
-    /// Prepares the part for queries about features: vertices get ids, and if `moving`, end positions.
+    /// Prepares the part for queries about features: take() then also stores the ids of vertices and the features that
+    /// triangles own; if `moving`, vertices also have end positions.
     void set_feature_demand(bool moving) {
         features_ = true;
         moving_ = moving;
@@ -44,12 +46,13 @@ class AssembledPart {
     /// Per-scene cache of the backend for this part.
     std::unique_ptr<SceneMemory>& memory() { return memory_; }
     std::int64_t size() const { return part_.mesh.size(); }
-    /// Returns the approximate size of the lists in bytes.
+    /// Returns approximately how many bytes the arrays by triangle and the coordinates of vertices take; runs, maps
+    /// and memory() are not counted.
     std::int64_t bytes() const;
     /// Returns the rank that provided a triangle, given by index in the part.
     int rank_of(std::int32_t triangle) const { return rank_[static_cast<std::size_t>(triangle)]; }
 
-    /// Merges deltas. Coordinates of new vertices are received later.
+    /// Merges the deltas of all ranks. The coordinates of new vertices are received later, through coordinates().
     void take(std::span<const RankDelta> news);
 
     /// Maps rows [first, first + n) of a rank's list of vertices to vertices of the part. Calls visit(vertex, row,

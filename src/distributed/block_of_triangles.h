@@ -3,7 +3,7 @@
 // A block of a scene's triangles, as the local mesh of rank r. The ranks are threads of the process that has the scene
 // of m triangles.
 //
-//     triangles   [r m / ranks, (r + 1) m / ranks)
+//     triangles   [r m / ranks, (r + 1) m / ranks), both bounds rounded down
 //     vertices    the vertices of these triangles, and the r-th block of all vertices, so that each is on some rank
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The last three phases of each query on a rank (rank_detector.h): searching, exchanging rows and making the result.
+// The phases search, rows and output of each query on a rank (rank_detector.h).
 
 #include <array>
 #include <bit>

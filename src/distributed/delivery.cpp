@@ -126,8 +126,9 @@ void Delivery::exchange_counts() {
     std::stable_sort(coming_.begin(), coming_.end(), [](const Coming& a, const Coming& b) { return a.rank < b.rank; });
 }
 
-// Counts per triangle: id, group, three corners, rank, masks, owned features; per vertex: coordinates. Does not count
-// the copy of a part's lists that exists while deltas are merged.
+// Returns how many bytes the rows to come add to this rank's parts. Counts per triangle: id, group, three corners,
+// rank, masks, owned features; per vertex: coordinates. Does not count the copy of a part's lists that exists while
+// deltas are merged.
 std::int64_t Delivery::bytes_coming() const {
     std::int64_t bytes = 0;
     for (const Coming& some : coming_)

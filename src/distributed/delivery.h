@@ -21,7 +21,8 @@ namespace crumple::distribute {
 
 class Delivery {
    public:
-    /// `mine`: the parts that this rank owns, ascending.
+    /// `mine`: the parts that this rank owns, ascending. `depth`: number of levels of clusters, and so of masks per
+    /// triangle.
     Delivery(MessageBatches& batches, CollectiveCheck& agree, const Owners& owners, RankMembers& members,
              const RankMesh& share, const GhostVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
 
@@ -29,8 +30,8 @@ class Delivery {
     struct What {
         bool float32 = true, features = false, moving = false;
     };
-    /// Updates all parts. Collective. Before memory for the parts of this rank is allocated, calls room(bytes) with the
-    /// number of additional bytes.
+    /// Updates all parts, in one or several groups. Collective. In each group, before memory for the parts of this rank
+    /// is allocated, calls room(bytes) with the number of additional bytes.
     void run(const What& what, FunctionRef<void(std::int64_t bytes)> room);
 
    private:
@@ -44,7 +45,7 @@ class Delivery {
     /// Counts of the rows that a rank, possibly this one, sends for a part of this rank.
     struct Coming {
         int rank;
-        std::size_t mine;
+        std::size_t mine;  ///< index of the part in mine_
         DeltaCounts counts;
         RankDelta* news;  ///< null: only coordinates are sent
     };

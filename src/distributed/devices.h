@@ -1,7 +1,8 @@
 #pragma once
 
 // Backend for several devices of one process (Options::devices). Each device is a rank: a thread with a cuda backend of
-// its own and a block of the scene's triangles. Queries that ranks do not support are left to the first device.
+// its own and a block of the scene's triangles. Queries that ranks do not support are left to the first device, and
+// so are all queries under a memory limit.
 
 #include <cstdint>
 #include <functional>

@@ -39,7 +39,8 @@ class GhostVertices {
     bool shared(std::int32_t v) const { return any_ && shared_[static_cast<std::size_t>(v)]; }
 
     /// Throws the same Error on all ranks unless all copies of each ghost vertex are equal bit by bit. Only ghost
-    /// vertices are sent. `when` follows the vertex in the message. Collective.
+    /// vertices are sent. `when`: the time of the positions, as text that follows the vertex in the message of the
+    /// error. Collective.
     void check(MessageBatches& batches, CollectiveCheck& agree, const VertexReader& reader, bool float32,
                const char* when) const;
 

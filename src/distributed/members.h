@@ -3,6 +3,10 @@
 // Local triangles of a rank as members of parts of the scene, and the deltas that it has to send to the parts' owners,
 // the ranks that search them.
 //
+// A part is a cluster of the last of one or more levels. A triangle of the part has a mask for each level (PartLevel):
+// a bit for each cluster that the triangle belongs to, among the clusters into which the level divides the part's
+// cluster of the level above.
+//
 // A part has a list of triangles and, for each rank that provides some of them, a list of vertices of that rank. Both
 // lists change little from frame to frame: a few triangles enter and leave a part, some masks change, and each rank
 // sends the coordinates of its list of vertices. In the first frame everything is added.

@@ -6,7 +6,8 @@
 //     triangles over all ranks   body 0 | body 1 | ...    the order of a world's result
 //     vertices and edges         in the same order
 //
-// A triangle of a local mesh has a single group: its body, unless the pair filter refers to groups of triangles.
+// A triangle of a local mesh has a single group. That is the number of its body or, if the pair filter refers to groups
+// of triangles, the triangle's own group (without one, that of its body).
 
 #include <cstdint>
 #include <span>

@@ -167,7 +167,8 @@ void RankDetector::read(const LocalMesh& share, const VertexView* end) {
     least[7] = same;
     reduce(least, Reduction::min);
     if (vertex_ids_) {
-        // Checks this before any rank allocates arrays of that size.
+        // Checks that the largest id is less than the number of vertices of all ranks, before any rank allocates arrays
+        // of that size.
         check_(Phase::input, [&] {
             std::int64_t brought = 0;
             for (std::size_t r = 1; r < counts_.size(); r += 2) brought += counts_[r];

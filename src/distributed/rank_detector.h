@@ -3,7 +3,7 @@
 // Detector of one rank, over any transport. Determines the order of the phases:
 //
 //     query      compare queries and options            search  search the parts that the rank owns
-//     input      check the local mesh                   rows    send rows to the rank of their first triangle
+//     input      check the local mesh                   rows    send rows to the rank of their first element
 //     ids        check ids and ghost vertices           output  sort the rows
 //     place      make centres, unless reused
 //     members    find the parts of local triangles
@@ -69,7 +69,7 @@ class CRUMPLE_API RankDetector {
 
    private:
     /// Runs all phases. ask() returns the query as ranks compare it, and may throw. prepare() is called after the
-    /// comparison, and may communicate. work() runs the last three phases.
+    /// comparison, and may communicate. work() runs the phases search, rows and output.
     void answer(const LocalMesh& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
                 FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work);
     void answer(const LocalWorld& share, const PairFilter& rules, bool moving, FunctionRef<ComparedQuery()> ask,

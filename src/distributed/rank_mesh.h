@@ -14,7 +14,8 @@
 
 namespace crumple::distribute {
 
-inline constexpr std::int64_t most_ids = std::numeric_limits<std::int32_t>::max();  ///< of one type, over all ranks
+/// Largest supported number of triangles, and of vertices, of all ranks together.
+inline constexpr std::int64_t most_ids = std::numeric_limits<std::int32_t>::max();
 
 /// Numbers over all ranks of a rank's triangles or vertices: given by the caller, or consecutive, rank by rank.
 struct Ids {

@@ -10,8 +10,8 @@
 
 namespace crumple {
 
-/// Sum of l^2 exp(4 i phi) over edges, as a complex number. l is the length of an edge's projection along the first
-/// axis, and phi the angle of that projection from the second axis.
+/// Sum of l^2 exp(4 i phi) over edges, as a complex number. l is the length of an edge's projection onto the plane of
+/// the second and the third axis, and phi the angle of that projection from the second axis.
 struct EdgeMoment {
     double re = 0, im = 0;
 
@@ -29,7 +29,7 @@ struct EdgeMoment {
     }
 };
 
-/// Rotates the second and third axis by a quarter of the moment's angle: by at most 45 degrees.
+/// Rotates the second and third axis by a quarter of the angle of `moment`, a complex number: by at most 45 degrees.
 CRUMPLE_HD inline void turn_to_edges(PrincipalAxes& axes, const EdgeMoment& moment) {
     const double angle = std::atan2(moment.im, moment.re) / 4, c = std::cos(angle), s = std::sin(angle);
     const Vec3d y = axes.axis[1], z = axes.axis[2];

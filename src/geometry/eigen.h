@@ -1,6 +1,7 @@
 #pragma once
 
-// Eigenvectors of a symmetric 3 x 3 matrix by cyclic Jacobi rotations. Compiled for host and device.
+// Eigenvectors of a symmetric 3 x 3 matrix by cyclic Jacobi rotations, as the principal axes of points whose covariance
+// the matrix is. Compiled for host and device.
 //
 // The result does not depend on the order of rotations: axes are sorted by eigenvalue, largest first (ties keep the
 // lower index), and the largest component of each is positive. If all eigenvalues are equal within a share `isotropy`
@@ -19,8 +20,8 @@ struct SymmetricMatrix {
 };
 
 struct PrincipalAxes {
-    Vec3d axis[3];
-    double variance[3];
+    Vec3d axis[3];       ///< eigenvectors of length 1
+    double variance[3];  ///< eigenvalue of each axis, largest first
 };
 
 CRUMPLE_HD inline PrincipalAxes principal_axes(const SymmetricMatrix& m, double isotropy = 0.02) {

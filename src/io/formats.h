@@ -45,12 +45,12 @@ inline constexpr std::array<Material, 2> collision_materials{{{"free", free_colo
 inline constexpr std::array<Material, 2> overlap_materials{
     {{"outside", free_colour, 0.2}, {"inside", colliding_colour}}};
 
-/// Input of the writers of coloured meshes: one soup of one or two meshes, with polygons if these are coloured instead
-/// of triangles.
+/// Input of the writers of coloured meshes: one mesh, or two that are joined, with polygons if these are coloured
+/// instead of triangles.
 struct ColouredMesh {
     TriangleMesh mesh;
     std::vector<std::uint8_t> hit;  ///< per triangle: index of its material, or of a shade; for collisions 0 or 1
-    std::span<const Material> materials = collision_materials;  ///< indexed by `hit`
+    std::span<const Material> materials = collision_materials;  ///< the materials that `hit` indexes
 
     bool has_polygons() const { return !mesh.polygons.empty(); }
 };

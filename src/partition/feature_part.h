@@ -26,7 +26,7 @@ struct FeaturePartDemand {
     bool weld = false;
     std::span<const double> radii = {};         ///< 1 per vertex, or empty
     const VertexReader* rest = nullptr;         ///< positions of the rest shape, or null; not owned
-    const VertexRings* rings = nullptr;         ///< not owned; may be null
+    const VertexRings* rings = nullptr;         ///< adjacent vertices by ProximityQuery::rings, or null; not owned
     std::span<const std::int32_t> groups = {};  ///< 1 per triangle except for proxy triangles, or empty
 };
 
@@ -45,10 +45,12 @@ class FeatureBalls {
 
     Normaliser normalise_;
     std::span<const double> radii_;
-    double half_ = 0, path_share_ = 0;
+    double half_ = 0, path_share_ = 0;  ///< half the query's distance, and the factor of the longest path
+                                        ///< (inflation.h), in normalised coordinates
 };
 
-/// Splits a scene, including its proxy triangles, into `count` parts. The result depends on the arguments only.
+/// Splits a scene into `count` parts, including its proxy triangles (degenerate triangles that own edges and points
+/// which no triangle owns). The result depends on the arguments only.
 std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeatures& features,
                                      const FeaturePartDemand& query, int count, ParallelFor& parallel);
 

@@ -3,11 +3,11 @@
 // Fuzzy C-means on a sample of points (sec. 4, eqs. 2 to 4 of [MZ], the paper cited in ARCHITECTURE.md).
 //
 // One iteration computes the membership of each point in each cluster (eq. 3) and moves each centre to the mean of the
-// points weighted by membership^t (eq. 4). For t = 2, the usual choice, both exponents are integers: with distances d_k
-// of the point from the centres, the memberships are u_k = d_k^-2 / sum_j d_j^-2. 1e-30 is added to each squared
-// distance, so a point on a centre counts as one at a distance of 1e-15. Iteration ends when no coordinate of a centre
-// moved by more than `stop`, or after `iterations`. Searches are correct with any centres, which affect only speed. So
-// the sample and the number of iterations may be small ([MZ] sec. 4, end).
+// points weighted by membership^t (eq. 4). With distances d_k of the point from the centres, the memberships are u_k =
+// d_k^p / sum_j d_j^p, p = -2 / (t - 1). For t = 2, the usual choice, both exponents, p and t, are integers. 1e-30 is
+// added to each squared distance, so a point on a centre counts as one at a distance of 1e-15. Iteration ends when no
+// coordinate of a centre moved by more than `stop`, or after `iterations`. Searches are correct with any centres, which
+// affect only speed. So the sample and the number of iterations may be small ([MZ] sec. 4, end).
 //
 // Points and centres are normalised (at most about 1). Inner loops run over clusters, whose sums are independent, so
 // that every compiler and machine gives the same centres.
@@ -22,7 +22,8 @@
 
 namespace crumple {
 
-inline constexpr int max_clusters = 64;  ///< per level: a mask has one bit for each
+inline constexpr int max_clusters =
+    64;  ///< most clusters that one cluster is divided into: a mask has one bit for each
 
 /// Cluster centres of one subdivision, cached from frame to frame for warm starts.
 struct Centres {

@@ -20,7 +20,7 @@ inline constexpr std::size_t max_levels = 4;
 
 struct ClusterLevel {
     const std::uint64_t* masks = nullptr;  ///< 1 per triangle of the scene: bit k is set if it belongs to cluster k
-    int cluster = 0;                       ///< cluster of this level that is this scene, or contains it
+    int cluster = 0;                       ///< index of the cluster of this level that is this scene, or contains it
 };
 
 /// Short list of levels, from the top; empty for a scene that is not part of another.

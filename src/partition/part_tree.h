@@ -24,8 +24,9 @@
 
 namespace crumple {
 
-/// Ball that determines a triangle's membership, in normalised coordinates. It contains the triangle, and its centre is
-/// the triangle's centroid.
+/// Ball that determines a triangle's membership, in normalised coordinates: around the centroid of its corners or, if
+/// it moves, of its corners at the start and at the end. It contains the triangle, or its swept volume widened for the
+/// query; the radius of a widened ball is at most `farthest`.
 struct PartBall {
     Vec3d centre;
     double radius;

@@ -18,7 +18,7 @@ namespace crumple {
 /// Members of all parts among some triangles of a scene, sorted by part: the triangles that belong to part k are
 /// entries [first[k], first[k + 1]). A triangle may belong to several parts.
 struct PartMembers {
-    std::vector<std::int64_t> first;     ///< number of parts + 1
+    std::vector<std::int64_t> first;     ///< by part: its first entry in `triangle`; then the number of entries
     std::vector<std::int32_t> triangle;  ///< triangles of the scene, ascending within a part
     std::vector<std::uint64_t> masks;    ///< for each member, one per level of the PartTree
 };
@@ -29,8 +29,8 @@ using BallOfTriangle = FunctionRef<PartBall(std::int64_t triangle)>;
 /// Lists the members of all parts among triangles [begin, end). Calls `ball` for no other triangle.
 PartMembers list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t begin, std::int64_t end);
 
-/// Lists the members of all parts among triangles [0, count) on all threads: one entry for each of several consecutive
-/// ranges of triangles.
+/// Lists the members of all parts among triangles [0, count) on all threads. Returns one PartMembers for each of
+/// several consecutive ranges of triangles.
 std::vector<PartMembers> list_members(const PartTree& tree, int parts, BallOfTriangle ball, std::int64_t count,
                                       ParallelFor& parallel);
 

@@ -20,7 +20,7 @@ void check_options(const Options& options);
 /// `b`: null for one mesh.
 void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
 void check_query_options(const IntersectionQuery& query);
-/// Checks a query with containment about a world.
+/// Checks the filter of an intersection query with containment for this world.
 void check_containment(const IntersectionQuery& query, const World& world);
 /// `world`: true for a query about a world, false for a single mesh.
 void check_query_options(const ImpactQuery& query, bool world);
@@ -34,10 +34,10 @@ void check_groups(const PairFilter& rules, std::int64_t triangles, bool has_grou
 inline bool given(const DevicePoses& poses) { return poses.data || poses.count > 0; }
 inline bool lies_on_device(const World& world) { return given(world.device_poses) || given(world.device_end_poses); }
 void check_device_poses(const World& world);
-/// Rejects queries that launches of worlds do not support.
+/// Rejects queries that Detector::launch() does not support for worlds.
 void check_on_device(const IntersectionQuery& query);
 void check_blocks(std::int64_t block_rows);
-/// Rejects queries whose results cannot be delivered in blocks.
+/// Rejects queries whose results cannot be delivered in blocks (Detector::stream).
 void check_in_blocks(const ImpactQuery& query);
 void check_in_blocks(const ProximityQuery& query);
 void check_in_blocks(const IntersectionQuery& query);

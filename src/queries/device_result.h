@@ -1,6 +1,7 @@
 #pragma once
 
-// Result of a query about features in device memory, as a backend reports it.
+// Result that a backend returns for a query about features of a mesh in device memory. The rows of each kind and the
+// edges stay in device memory, and the result has pointers to them. Counts, `any` and the first impact are on the host.
 
 #include <array>
 #include <cstdint>
@@ -14,14 +15,14 @@ namespace crumple {
 struct DeviceRows {
     std::int64_t count = 0;
     const Pair* pairs = nullptr;
-    const double* value = nullptr;       ///< toi, or squared distance; null for candidates
-    const std::uint8_t* flag = nullptr;  ///< start, or touching; null for candidates
+    const double* value = nullptr;       ///< ImpactList::toi or ProximityList::squared_distance; null for candidates
+    const std::uint8_t* flag = nullptr;  ///< ImpactList::start or ProximityList::touching; null for candidates
 };
 
 struct AnyDeviceResult : DeviceFeatures {
     bool any = false;
     FirstImpact first;
-    std::array<DeviceRows, candidate_kinds> rows;  ///< by CandidateKind
+    std::array<DeviceRows, candidate_kinds> rows;  ///< rows of each CandidateKind
 };
 
 }  // namespace crumple

@@ -27,7 +27,7 @@ namespace crumple {
 /// that overlap.
 enum class Criterion : std::uint8_t { impact, proximity, candidate };
 
-/// Output of a request: only a flag for any pair, the first impact, or all pairs.
+/// Output of a request: only a flag that says if there is any pair, the first impact, or all pairs.
 enum class Extent : std::uint8_t { any, first, all };
 
 /// Flags by CandidateKind, true for each kind of pairs that is listed. CandidateKind includes the kinds of FeatureKind,
@@ -44,7 +44,7 @@ struct FeatureRequest {
     Criterion criterion = Criterion::proximity;
     Extent extent = Extent::all;  ///< always `all` for candidates
     RequestedKinds kinds{};
-    double distance = 0;            ///< the minimum distance, the radius, or the inflation
+    double distance = 0;            ///< ImpactQuery::min_distance, ProximityQuery::radius or CandidateQuery::inflation
     double share = 0;               ///< ImpactQuery::min_distance_share
     bool approaching_only = false;  ///< ImpactQuery::approaching_only
     bool strict = false;            ///< ProximityQuery::strict
@@ -53,9 +53,9 @@ struct FeatureRequest {
     const SceneFilter& rule;
     // Unused for candidates:
     std::span<const double> radii = {};  ///< ProximityQuery::radii of the scene's vertices; empty: `distance` applies
-    const VertexRings* rings = nullptr;  ///< further adjacent pairs (ProximityQuery::rings); null: none
-    const RestShape* rest = nullptr;     ///< rest shape; null: none
-    const Part* part = nullptr;          ///< part that the scene is made of: only its pairs count; null: all pairs
+    const VertexRings* rings = nullptr;  ///< drops pairs within these rings (ProximityQuery::rings); null: drops none
+    const RestShape* rest = nullptr;     ///< drops pairs that are near in the rest shape; null: drops none
+    const Part* part = nullptr;          ///< the scene is this part, and only pairs that it owns count; null: all count
 
     bool lists(CandidateKind kind) const { return kinds[static_cast<std::size_t>(kind)]; }
 };
@@ -89,8 +89,8 @@ inline std::int64_t count_of(const SceneFeatures& features, FeatureType type) {
 /// Pair of features: indices of the scene's points, edges, triangles.
 struct FeatureHit {
     Pair pair;
-    double value;       ///< toi, or squared distance
-    std::uint8_t flag;  ///< start, or touching
+    double value;       ///< ImpactList::toi or ProximityList::squared_distance
+    std::uint8_t flag;  ///< ImpactList::start or ProximityList::touching
 };
 
 /// Pairs of one kind: indices of the scene's points, edges, triangles.
@@ -98,8 +98,8 @@ struct FeatureRows {
     explicit FeatureRows(MemoryMeter* m) : pairs(m), value(m), flag(m) {}
     Array<Pair> pairs;
     // Empty for candidates:
-    Array<double> value;       ///< toi, or squared distance
-    Array<std::uint8_t> flag;  ///< start, or touching
+    Array<double> value;       ///< ImpactList::toi or ProximityList::squared_distance
+    Array<std::uint8_t> flag;  ///< ImpactList::start or ProximityList::touching
 
     std::size_t size() const { return pairs.size(); }
     FeatureHit operator[](std::size_t row) const { return {pairs[row], value[row], flag[row]}; }
@@ -126,11 +126,11 @@ struct FeatureRows {
     void clear() { resize(0); }
 };
 
-/// Rows of all kinds.
+/// Lists of rows, one for each kind of feature pairs.
 struct RowLists {
     explicit RowLists(MemoryMeter* m)
         : lists{FeatureRows(m), FeatureRows(m), FeatureRows(m), FeatureRows(m), FeatureRows(m), FeatureRows(m)} {}
-    std::array<FeatureRows, candidate_kinds> lists;  ///< by CandidateKind
+    std::array<FeatureRows, candidate_kinds> lists;  ///< rows of each CandidateKind
 
     FeatureRows& operator[](CandidateKind kind) { return lists[static_cast<std::size_t>(kind)]; }
     const FeatureRows& operator[](CandidateKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
@@ -151,8 +151,8 @@ using FeatureStream = RowStream<RowLists>;
 struct FeatureResult {
     explicit FeatureResult(MemoryMeter* m) : rows(m) {}
     bool any = false;
-    FirstImpact first;  ///< for impacts, except with Extent::any; without bodies
-    RowLists rows;      ///< for Extent::all; sorted, unique
+    FirstImpact first;  ///< for impacts, unless only a flag is requested (Extent::any); its `bodies` are not set
+    RowLists rows;      ///< for Extent::all: rows of each kind, sorted, each pair once
     Statistics statistics;
 
     /// Empties the result, but keeps its memory.

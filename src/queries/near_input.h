@@ -26,9 +26,9 @@ class NearInput {
    public:
     explicit NearInput(MemoryMeter* meter) : given_radii_(meter), points_(meter), body_(meter), rings_(meter) {}
 
-    /// Reads and checks the input of the query and the shapes. `bodies`: see FeatureSearch. `here`: true if the arrays
-    /// are in host memory; if false, only their sizes are checked. Throws Error (invalid_argument, not_finite) that
-    /// names shape and vertex.
+    /// Reads and checks the input of the query and the shapes. `bodies`: true if messages name shapes, false for a
+    /// single mesh. `here`: true if the arrays are in host memory; if false, only their sizes are checked. Throws Error
+    /// (invalid_argument, not_finite) that names the shape, and the vertex if one is at fault.
     void begin(const WorldOutline& outline, const ProximityQuery& query, bool bodies, bool here, ParallelFor& workers,
                SceneBuffers& buffers);
 
@@ -51,8 +51,8 @@ class NearInput {
     // Per scene:
     std::span<const double> radii_;
     RestShape rest_;
-    Array<double> given_radii_, points_;  ///< concatenated over bodies: 1 and 3 per vertex
-    Array<std::int32_t> body_;            ///< see RestShape
+    Array<double> given_radii_, points_;  ///< radii (1 per vertex) and rest positions (3 per vertex), body after body
+    Array<std::int32_t> body_;            ///< RestShape::body of a scene of several bodies
     VertexRings rings_;
 };
 

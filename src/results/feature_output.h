@@ -33,7 +33,7 @@ void clear(ImpactList& list);
 void clear(ProximityList& list);
 void clear(CandidateList& list);
 
-/// True if rows have values and flags.
+/// True if rows of this list have values and flags: all but candidates do.
 template <class List>
 constexpr bool has_values = !std::same_as<List, CandidateList>;
 
@@ -53,7 +53,8 @@ void swap_rows(List& list, FeatureRows& rows) {
     }
 }
 
-/// Makes the offsets by first and by second feature. `firsts`, `seconds`: numbers of these features.
+/// Makes the offsets of a list's pairs by their first and by their second feature. `firsts`, `seconds`: numbers of
+/// features that can be first or second.
 void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds);
 void make_index(ProximityList& list, std::int64_t firsts, std::int64_t seconds);
 

@@ -41,12 +41,12 @@ void swap_out(Intersections& result, Intersections& other);
 /// Makes offsets by first triangle and hit flags from result.pairs, which are sorted.
 void index_pairs(const PreparedScene& scene, Intersections& result);
 
-/// Drops pairs that the part does not own from all pairs of the part's triangles, and makes offsets and flags.
-/// `levels`: those of the part. Call before contacts are made.
+/// Reduces result.pairs, which has all pairs of a part's triangles, to the pairs that the part owns, and makes offsets
+/// and hit flags. `levels`: made from the part (partition/levels.h). Call before contacts are made.
 void keep_owned(const PreparedScene& scene, const Levels& levels, Intersections& result);
 
-/// Returns the bytes of a result with this number of pairs. Contacts have capacity for six points per pair until they
-/// are packed.
+/// Returns how many bytes the arrays of a result for one mesh or two take if it has this number of pairs. Contacts have
+/// capacity for six points per pair until they are packed.
 inline std::int64_t result_bytes(const PreparedScene& scene, const IntersectionQuery& query, std::int64_t pairs) {
     const std::int64_t contacts = pairs * (6 * 24 + 1 + 8) + 8;
     return pairs * 8 + (scene.triangles[0] + 1) * 8 + scene.triangle_count() + (query.contacts() ? contacts : 0);

@@ -17,7 +17,7 @@ struct CurveEnd {
     std::size_t side;  ///< surface of the edge: 0 or 1
     std::int32_t low, high, crossed;
     std::int32_t segment;
-    std::int32_t face;  ///< the face with that edge
+    std::int32_t face;  ///< face of surface `side` with that edge, in which the segment lies
     bool is_start;
     bool upward;  ///< true if that face traverses its edge from the lower to the higher vertex
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Joins the segments in which two surfaces cross into curves. Host only.
+// Joins segments into curves. A segment is the line in which a face of one surface crosses a face of the other. Host
+// only.
 //
 // Segments end where an edge of one surface crosses a face of the other. At an ordinary edge two faces meet, so that
 // the segment on one of them ends where the segment on the other one starts. At an edge with more faces, two segments
@@ -22,8 +23,9 @@ struct FaceOfSurface {
 };
 
 struct JoinedCurve {
-    std::vector<std::int32_t> segments;  ///< indices, in the order in which they follow each other
-    bool closed = false;                 ///< the last segment ends where the first one starts
+    std::vector<std::int32_t>
+        segments;         ///< indices of segments, in the order along the curve; without the links of join_segments()
+    bool closed = false;  ///< true if the last segment ends where the first one starts
 };
 
 /// Joins segments, all of the same shift (exact/overlap/face_crossing.h), into curves. Segments from index `links` on

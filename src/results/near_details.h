@@ -17,7 +17,8 @@ namespace crumple {
 void append_closest(const PreparedScene& scene, const SceneFeatures& features, FeatureKind kind,
                     const Array<Pair>& pairs, ParallelFor* workers, ProximityList& list);
 
-/// Makes the least distances of the features of a single mesh from its complete lists.
+/// Makes the least distances of all features of a single mesh from its lists, which must be complete: no pair within
+/// the radius may be missing.
 void add_least_distances(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers,
                          Proximities& answer);
 

@@ -21,21 +21,21 @@ struct VertexWinding {
 /// Curve in which the surfaces cross.
 struct OverlapCurve {
     bool closed = false;
-    Vec3d area_vector, torque;    ///< about the row's torque point; NaN if the curve is open
-    std::vector<Vec3d> points;    ///< number of segments plus 1
-    std::vector<Pair> triangles;  ///< by segment
+    Vec3d area_vector, torque;    ///< both NaN if the curve is open; the torque is about the row's torque point
+    std::vector<Vec3d> points;    ///< ends of successive segments: one more than segments, also in a closed curve
+    std::vector<Pair> triangles;  ///< per segment, the two triangles that cross in it
 };
 
 /// Result for one pair of bodies.
 struct OverlapRow {
-    bool exists = false;  ///< the surfaces meet, or one has a component inside the other
+    bool exists = false;  ///< true if the surfaces meet, or one has a connected component inside the other
     OverlapRelation relation = OverlapRelation::overlapping;
     OverlapNumbers numbers;
     // If requested, for the first and the second body; in the order of vertices:
     std::array<std::vector<VertexVector>, 2> gradient;
     std::array<std::vector<VertexWinding>, 2> windings;
     std::vector<OverlapCurve> curves;
-    double body_volume = 0;  ///< for a body with itself: its own volume
+    double body_volume = 0;  ///< set for the overlap of a body with itself: the volume of that body
 };
 
 /// Returns the bytes of a row's lists.
@@ -52,14 +52,15 @@ void swap_out(Overlaps& mine, Overlaps& theirs);
 /// Empties a result, but keeps its memory.
 void clear(Overlaps& result);
 
-/// Begins a result without rows. Values by body are initialised to those of bodies whose surfaces are not closed.
+/// Begins a result without rows. If the query requests all pairs and self_overlaps, sets body_volume to NaN and
+/// is_solid to 0 for all bodies, as for bodies whose surfaces are not closed.
 void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, Overlaps& result);
-/// Sets the values by body from the row of a body with itself.
+/// Sets body_volume and is_solid of a body from the row of its overlap with itself, if begin() made these arrays.
 void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result);
 
 /// Returns the numbers for surfaces that are not closed: NaN, except for the torque point.
 OverlapNumbers undefined_numbers(const Vec3d& point);
-/// True if the query lists the row.
+/// True if the row belongs to the result: its bodies overlap or touch, and its volume is not below min_volume.
 bool is_in_result(const OverlapQuery& query, const OverlapRow& row);
 
 /// Lists the bodies that were skipped. `bodies` may contain duplicates.

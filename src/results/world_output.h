@@ -15,7 +15,7 @@ namespace crumple {
 
 /// Size and consumer of the blocks of a result (Detector::stream).
 struct WorldBlocks {
-    std::int64_t most;  ///< pairs per block
+    std::int64_t most;  ///< number of pairs per block; the last block may have fewer
     FunctionRef<void(const Intersections& block)> take;
 
     /// Delivers the pairs listed so far if they fill a block or are the last, then clears them.
@@ -38,7 +38,8 @@ void add_contact(ContactKind kind, std::span<const std::array<double, 3>> points
 /// `pairs` must be sorted, without pairs whose surfaces meet. For Output::body_pairs; call after finish().
 void add_contained(std::span<const BodyPair> pairs, Intersections& result);
 
-/// Completes the result: sorts pairs of bodies, and makes offsets and hit flags.
+/// Completes the result. For Output::body_pairs, sorts the pairs of bodies and removes duplicates. For larger outputs,
+/// makes offsets and hit flags if the query requests them (IntersectionQuery::index).
 void finish(const WorldOutline& outline, const IntersectionQuery& query, Intersections& result);
 
 }  // namespace crumple

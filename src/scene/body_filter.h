@@ -46,12 +46,12 @@ class BodyFilter {
     bool operator()(const BodyClass& a, const BodyClass& b) const { return wanted()(a, b); }
     bool operator()(std::int32_t a, std::int32_t b) const { return (*this)(classes[a], classes[b]); }
 
-    /// True if no pair within a class is selected.
+    /// True if the filter selects no pair of triangles of the same class.
     bool classes_apart() const {
         return std::none_of(classes.begin(), classes.end(), [&](const BodyClass& c) { return (*this)(c, c); });
     }
 
-    Array<BodyClass> classes;  ///< classes of the current scene
+    Array<BodyClass> classes;  ///< body and group of each class of the current scene
 
    private:
     static GroupSelection rule(PairScope wanted, const Array<std::uint64_t>& excluded) {

@@ -21,7 +21,7 @@
 
 namespace crumple {
 
-/// Vector of four float32 numbers, the counterpart of Two for float64 (geometry/two.h).
+/// Vector of four float32 numbers. Two (geometry/two.h) is the same for two float64 numbers.
 using Four = float __attribute__((vector_size(16)));
 inline Four least(Four x, Four y) { return x < y ? x : y; }
 inline Four most(Four x, Four y) { return x > y ? x : y; }
@@ -43,8 +43,8 @@ class BoxDistance {
             high = {most(high.first, other.high.first), most(high.second, other.high.second)};
         }
 
-        /// Returns a lower bound on the squared distance, to be compared with limit(), if it is above 0. Else the
-        /// objects may touch; the lower the value, the deeper they overlap.
+        /// If the result is above 0, it is a lower bound on the squared distance of the objects, to be compared with
+        /// limit(). Else the objects may touch, and the lower the result, the deeper their intervals overlap.
         friend float gap(const Intervals& a, const Intervals& b) {
             const Four first = most(a.low.first - b.high.first, b.low.first - a.high.first),
                        second = most(a.low.second - b.high.second, b.low.second - a.high.second);
@@ -85,7 +85,7 @@ class BoxDistance {
         Lanes along_[3], size_[3], offset_, slack_;
     };
 
-    /// `known`: the eighth direction, of any length; 0 if there is none.
+    /// `known`: the eighth direction, of any length; the zero vector if there is none.
     BoxDistance(const Placement& a, const SmallFrame& frame_a, const Placement& b, const SmallFrame& frame_b,
                 const Vec3d& known) {
         const Affine pa = a.matrix(), pb = b.matrix();
@@ -138,7 +138,8 @@ class BoxDistance {
     static double reach(const Affine& pose) {
         return length(pose.column(0)) + length(pose.column(1)) + length(pose.column(2));
     }
-    /// Returns v scaled to slightly less than length 1; 0 if its squared length leaves the range.
+    /// Returns v scaled to slightly less than length 1; the zero vector if its squared length is not between 2^-800 and
+    /// 2^800.
     static Vec3d unit_vector(const Vec3d& v) {
         const double squared = dot(v, v);
         if (!(squared > 0x1p-800 && squared < 0x1p800)) return {};

@@ -71,7 +71,7 @@ class ClosedSurface {
     bool closed_ = false;
     Array<std::int32_t> place_, vertex_at_place_, end_of_, components_;
     Array<std::int32_t> faces_, first_face_;
-    Array<std::uint8_t> down_;  ///< per face: bit k: edge k leads down; bit 3 + k: edge k leads up
+    Array<std::uint8_t> down_;  ///< per face: bit k is set if edge k leads down the forest, bit 3 + k if it leads up
     // Scratch:
     Array<std::int32_t> sum_, first_, neighbour_, parent_, next_;
 };

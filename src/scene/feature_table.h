@@ -1,7 +1,8 @@
 #pragma once
 
 // Pointers to a scene's features (scene_features.h) for inner loops, in host or device memory. Compiled for host and
-// device.
+// device. One triangle *owns* a feature: the lowest that has it. A *proxy triangle* is a degenerate triangle that owns
+// an edge or a point which no triangle of the scene can own.
 
 #include <array>
 #include <cstdint>
@@ -23,8 +24,8 @@ using PointsOfTriangle = std::array<std::int32_t, 3>;
 /// triangle. lone_edge: the edge on its side 0 belongs to no triangle.
 inline constexpr std::uint8_t lone_point = 1 << 6, lone_edge = 1 << 7;
 
-/// Representatives (FeatureTable::name) of the vertices that share an edge with a vertex: up to two different ones, -1
-/// for none. `more`: there are others.
+/// Other ends of the edges of one vertex, as representatives (FeatureTable::name): up to two different ones, -1 for
+/// none. `more`: true if there are others.
 struct AdjacentVertices {
     std::int32_t first = -1, second = -1;
     bool more = false;
@@ -34,10 +35,11 @@ struct FeatureTable {
     const TriangleEdges* edges_of = nullptr;
     const std::uint8_t* owned = nullptr;
     const std::int32_t* corners = nullptr;
-    const std::int32_t* names = nullptr;           ///< representative of each vertex; null: the vertex itself
-    const PointsOfTriangle* points_of = nullptr;   ///< null: a point's index is its vertex
-    const AdjacentVertices* neighbours = nullptr;  ///< per vertex; null: there are no lone edges
-    std::int64_t faces = 0;
+    const std::int32_t* names = nullptr;  ///< representative of each vertex; null: the vertex itself
+    const PointsOfTriangle* points_of =
+        nullptr;  ///< by triangle and proxy triangle; null: a point's index is its vertex
+    const AdjacentVertices* neighbours = nullptr;  ///< other ends of each vertex's edges; null: there are no lone edges
+    std::int64_t faces = 0;                        ///< number of triangles without proxy triangles
 
     friend bool operator==(const FeatureTable&, const FeatureTable&) = default;
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Filter of pairs of groups. Compiled for host and device.
+// Filter of pairs of groups of triangles, by the scope and the excluded pairs of a PairFilter. Pairs of bodies are
+// filtered in the same way. Compiled for host and device.
 
 #include <cstdint>
 

@@ -72,7 +72,7 @@ class NearBodies {
     };
 
     const WorldOutline* outline_ = nullptr;
-    Array<Bounds> box_;  ///< by body
+    Array<Bounds> box_;  ///< box of each body
     Array<Rest> rest_;   ///< bodies in all worlds, by ascending low.x
 };
 

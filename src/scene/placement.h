@@ -32,7 +32,8 @@ inline constexpr double largest_number = std::numeric_limits<double>::max();
 inline constexpr Bounds no_bounds{{largest_number, largest_number, largest_number},
                                   {-largest_number, -largest_number, -largest_number}};
 
-/// Box by its middle and half of its extent; contains the box that it is made from, because the half is rounded up.
+/// Box by its middle and half of its extent. It contains the box that it is made from, because the half extent is
+/// rounded up.
 struct CentredBox {
     Vec3d middle, half;
 

@@ -172,7 +172,7 @@ void check_content(const MeshView& mesh, const VertexReader& reader, const std::
 
 }  // namespace
 
-// Hash table with open addressing and linear probing, at most half full.
+// Uses a hash table with open addressing and linear probing, at most half full.
 void find_representatives(const PreparedScene& scene, Array<std::int32_t>& table, Array<std::int32_t>& names) {
     const std::int64_t n = scene.vertex_count();
     const std::uint64_t slots = std::bit_ceil(static_cast<std::uint64_t>(2 * n + 1));

@@ -1,11 +1,11 @@
 #pragma once
 
-// Input of every backend: one or two meshes as one validated soup.
+// Input of every backend: the validated triangles of one mesh, or of two meshes together.
 //
 // Vertices and triangles of the first mesh come first, those of the second follow. `corners` are indices in this joint
 // numbering, three per triangle, with welded vertices replaced by the lowest equal one. Coordinates stay in the
-// caller's memory. `corners` is the caller's own array if there is a single contiguous int32 mesh without welding;
-// otherwise it is in SceneBuffers.
+// caller's memory. `corners` is the caller's own array if there is a single mesh, without welding, whose indices are
+// aligned 32-bit integers without gaps; otherwise it is in SceneBuffers.
 
 #include <algorithm>
 #include <array>
@@ -55,20 +55,23 @@ struct VertexReader {
 
 struct PreparedScene {
     bool between = false;                    ///< true: two meshes, and only pairs with one triangle of each
-    bool float32 = true;                     ///< all coordinates are float32 numbers
-    std::array<VertexReader, 2> reader;      ///< first and second mesh
-    std::array<std::int64_t, 2> vertices{};  ///< counts of the first and the second mesh
+    bool float32 = true;                     ///< true if all coordinates are float32 numbers
+    std::array<VertexReader, 2> reader;      ///< readers of the first and of the second mesh
+    std::array<std::int64_t, 2> vertices{};  ///< numbers of vertices of the first and of the second mesh
     std::array<std::int64_t, 2> triangles{};
-    const std::int32_t* corners = nullptr;      ///< 3 per triangle
-    const std::int32_t* groups = nullptr;       ///< 1 per triangle, or null: all in group 0
-    const std::int32_t* lone_groups = nullptr;  ///< 1 per vertex, for features without a triangle; null: all in group 0
-    const BodyFilter* bodies = nullptr;         ///< if made from a world: its filter, whose classes `groups` refers to
+    const std::int32_t* corners = nullptr;  ///< vertices of the triangles, 3 per triangle
+    const std::int32_t* groups = nullptr;   ///< 1 per triangle, or null: all in group 0
+    /// 1 per vertex: group of the edges and points at this vertex that no triangle has; null: all in group 0.
+    const std::int32_t* lone_groups = nullptr;
+    /// Pair filter of a scene made from a world, whose groups are indices of the filter's classes; null for other
+    /// scenes.
+    const BodyFilter* bodies = nullptr;
     /// First triangle of each of `worlds` worlds that are side by side in the scene, and the end; triangles of
     /// different worlds are never paired. Null: a single world.
     const std::int64_t* first_of_world = nullptr;
     int worlds = 1;
-    bool moving = false;  ///< true: a single mesh, whose vertices move straight to `end`
-    VertexReader end;
+    bool moving = false;                       ///< true: a single mesh, whose vertices move straight to `end`
+    VertexReader end;                          ///< positions at the end, if `moving`
     Vec3d low, high;                           ///< box of all vertices, at start and end; 0 if there are none
     std::array<Vec3d, 2> side_low, side_high;  ///< box of each mesh's vertices; low > high if there are none
 
@@ -94,7 +97,8 @@ struct PreparedScene {
     CRUMPLE_HD bool second(std::int64_t t) const { return t >= triangles[0]; }
 };
 
-/// Result of checking a chunk of vertices or triangles.
+/// Result of checking a chunk of vertices or triangles: for vertices their box, and true in `good` if all coordinates
+/// are finite or all indices in range.
 struct ChunkCheck {
     Vec3d low, high;
     bool good;
@@ -107,7 +111,7 @@ struct SceneBuffers {
         : corners(meter), groups(meter), representative(meter), table(meter), checks(meter) {}
 };
 
-/// Limit of moving scenes: start and end positions are numbered together, as int32.
+/// Maximum number of vertices of a moving scene, whose start and end positions are numbered together, as int32.
 inline constexpr std::int64_t most_moving_vertices = std::int64_t{1} << 30;
 inline constexpr const char* too_many_moving_vertices = "a moving scene can have at most 1073741824 vertices";
 

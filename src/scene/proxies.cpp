@@ -1,5 +1,5 @@
-// Finds the triangles that own the listed (codimensional) edges and points, and adds a proxy triangle for each that no
-// triangle owns (scene_features.h).
+// Finds the triangles that own the listed (codimensional) edges and points. For each of these features that no triangle
+// owns, adds a proxy triangle: a degenerate triangle that owns it (scene_features.h).
 
 #include <algorithm>
 #include <atomic>
@@ -93,9 +93,9 @@ void SceneFeatures::add_proxies_of_points() {
     }
 }
 
-// Two other ends per vertex suffice for has_edge_apart(): an edge of a vertex is apart from a lone edge if the edge's
-// other end is not on the lone edge. Two different other ends may both be on the lone edge, but of three, at least one
-// is not.
+// Two other ends per vertex suffice for has_edge_apart(): an edge of a vertex is apart from a lone edge (one that no
+// triangle has) if the edge's other end is not on the lone edge. Two different other ends may both be on the lone edge,
+// but of three, at least one is not.
 void SceneFeatures::find_adjacent() {
     neighbours_.clear();
     if (!lone_edges_) return;

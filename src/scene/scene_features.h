@@ -3,9 +3,10 @@
 // Vertices and edges of a scene, each once, with the triangle that owns it, and proxy triangles for features that no
 // triangle can own.
 //
-// A feature is owned by the lowest triangle that names it; a face owns itself. A pair of features is tested if the
-// sweep reports the pair of the owning triangles. So each pair of features is tested at most once, and only if the
-// bounding volumes of the owners, which contain the features, are close enough.
+// A triangle *names* its three corners and the edges between them. A feature is owned by the lowest triangle that names
+// it; a face owns itself. A pair of features is tested if the sweep reports the pair of the owning triangles. So each
+// pair of features is tested at most once, and only if the bounding volumes of the owners, which contain the features,
+// are close enough.
 //
 //   triangle t: corners c0 c1 c2, edges e0 = c0 c1, e1 = c1 c2, e2 = c2 c0
 //   owned[t]:   bit k: the vertex at corner k;  bit 3 + k: edge k;  lone_point, lone_edge: see feature_table.h
@@ -128,8 +129,8 @@ class SceneFeatures {
 
    private:
     struct Side {
-        std::int32_t other;  ///< the higher vertex
-        std::int32_t slot;   ///< 3 * triangle + side; codimensional edges follow after all sides
+        std::int32_t other;  ///< higher vertex of the side
+        std::int32_t slot;   ///< 3 * triangle + side (0 to 2); the slots of codimensional edges follow
     };
     bool known(const PreparedScene& scene, const CodimensionalFeatures& listed) const;
     void sort_sides(const PreparedScene& scene, ParallelFor& workers);
@@ -161,19 +162,23 @@ class SceneFeatures {
     Array<Edge> edges_;
     Array<TriangleEdges> edges_of_;
     Array<std::uint8_t> owned_;
-    Array<std::int32_t> names_, corners_;  ///< corners_: key of the cache, with edges_ and points_ if listed
+    /// Representative of each vertex, and corners of triangles and proxy triangles. prepare() compares the corners of
+    /// the triangles, and the edges and points if they are listed, to find out if its results are still valid.
+    Array<std::int32_t> names_, corners_;
     std::int64_t vertices_ = -1, faces_ = 0;
     std::uint64_t revision_ = 0;
     bool lists_edges_ = false, lists_points_ = false, lone_edges_ = false, is_copied_ = false;
     Array<std::int32_t> points_;         ///< vertices of the codimensional points
-    Array<PointsOfTriangle> points_of_;  ///< per triangle; empty: a point's index is its vertex
+    Array<PointsOfTriangle> points_of_;  ///< by triangle and proxy triangle; empty: a point's index is its vertex
     Array<std::int32_t> face_of_proxy_;
-    Array<Neighbours> neighbours_;  ///< per vertex, if there are lone edges
+    Array<Neighbours> neighbours_;  ///< by vertex, if there are edges that no triangle has; else empty
     // Scratch:
     Array<Side> side_;
-    Array<std::int64_t> first_;        ///< by lower vertex: its first entry of side_
-    Array<std::int64_t> count_;        ///< number of edges of each chunk of lower vertices
-    Array<std::int32_t> owner_;        ///< owner of each vertex, or of each listed edge
+    Array<std::int64_t> first_;  ///< by lower vertex: its first entry of side_
+    Array<std::int64_t> count_;  ///< number of edges of each chunk of lower vertices
+    /// First by listed edge: the lowest triangle that names it, or -1, or a mark (proxies.cpp). Then by vertex: the
+    /// lowest triangle or proxy triangle that has it, or -1.
+    Array<std::int32_t> owner_;
     Array<std::int32_t> first_point_;  ///< first position of each vertex in the list of points
     SceneBuffers buffers_;
 };

@@ -4,7 +4,7 @@
 //
 // [MZ] builds no hierarchy, because a hierarchy has to be rebuilt or refitted whenever triangles move. A named shape
 // does not change: its tree is built once and serves every body of that shape under every pose. The tree only culls: it
-// finds the groups of two bodies that may meet. The usual stages decide the rest.
+// finds the groups of two bodies that may meet. Their triangles are tested elsewhere.
 //
 // The tree is built top-down: each node is split along its longest axis, at the place that the surface area heuristic
 // chooses. Nodes are in depth-first order: the left child follows its parent. Each group has its own copies of its
@@ -35,7 +35,7 @@ class ShapeTree {
     struct Group {
         std::int32_t count = 0;        ///< number of triangles
         std::int64_t first_block = 0;  ///< index of its first block of four vertices, over all groups
-        std::int32_t blocks = 0;       ///< number of blocks; copies of the last vertex fill the last block
+        std::int32_t blocks = 0;       ///< number of its blocks; copies of the last vertex fill the last block
         std::int32_t vertices = 0;
         std::array<std::int32_t, most_triangles> triangle;  ///< triangles of the shape, ascending
         std::array<std::array<std::uint8_t, 3>, most_triangles> corner;
@@ -89,18 +89,19 @@ class ShapeTree {
     Array<Node> node_;
     Array<std::int32_t> first_;  ///< lowest triangle of each node
     Array<Group> group_;
-    Array<double> vertex_;   ///< group by group: all x, all y, all z
+    Array<double> vertex_;   ///< coordinates of vertices, group by group: all x, all y, all z of a group
     Array<CentredBox> box_;  ///< scratch: boxes of the nodes
     Array<Item> order_;      ///< scratch
 };
 
-/// Walks both trees and calls visit(group of a, group of b) for each pair of groups whose posed boxes overlap. Stops
-/// and returns false when visit returns false.
+/// Walks both trees and calls visit(group of a, group of b) for each pair of groups whose posed boxes are not certainly
+/// apart (scene/separating_boxes.h), so at least for all whose boxes overlap. Stops and returns false when visit
+/// returns false.
 template <class Visit>
 bool for_each_overlap(const ShapeTree& a, const Placement& pose_a, const ShapeTree& b, const Placement& pose_b,
                       Visit visit);
 
-/// Calls visit(group) for each group whose posed box overlaps `box`.
+/// Calls visit(group) for each group for which the axis-aligned box around its posed box overlaps `box`.
 template <class Visit>
 void for_each_overlap(const ShapeTree& tree, const Placement& pose, const Bounds& box, Visit visit);
 

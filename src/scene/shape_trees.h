@@ -20,8 +20,8 @@ class ShapeTrees {
     void begin() { ++calls_; }
 
     /// Returns the tree of a named shape; `s` is the shape's index in its world. Valid at least until the next begin().
-    /// Throws Error that names the shape if a tree is cached under this name for other counts or another precision, or
-    /// if the shape is invalid.
+    /// Throws Error that names the shape if the tree cached under this name was built for another number of vertices or
+    /// triangles or another precision, or if the shape is invalid.
     const ShapeTree& named(const Shape& shape, std::size_t s);
 
     /// Builds the tree of any shape. If the memory limit is exceeded, evicts named shapes that this call does not use,
@@ -37,7 +37,7 @@ class ShapeTrees {
         ShapeTree tree;
         std::int64_t vertices = 0, triangles = 0;
         ScalarType type{};
-        std::int64_t used = 0;  ///< number of the last call that used it
+        std::int64_t used = 0;  ///< calls_ at the last use of the tree
     };
 
     bool drop_oldest();

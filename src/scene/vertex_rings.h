@@ -57,9 +57,9 @@ class VertexRings {
 
     Array<std::int32_t> of_;     ///< all rings, one after another
     Array<std::int64_t> first_;  ///< start of each vertex's ring, and the end
-    Array<std::int32_t> next_;   ///< adjacent vertices, by vertex
+    Array<std::int32_t> next_;   ///< adjacent vertices of each vertex, one vertex after another
     Array<std::int64_t> first_next_;
-    Array<std::int32_t> corners_, names_;  ///< cache key
+    Array<std::int32_t> corners_, names_;  ///< those for which the rings were found; compared by known()
     std::int64_t vertices_ = -1;
     std::int32_t rings_ = 0;
     std::uint64_t revision_ = 0;

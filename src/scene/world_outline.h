@@ -32,7 +32,8 @@ class WorldOutline {
                 shape(b).vertices.type == ScalarType::float32};
     }
 
-    /// Returns the placement at the end of a step; that at the start if nothing else is given.
+    /// Returns the placement at the end of a step: the end pose or, if the world has no end poses, the pose at the
+    /// start.
     Placement end_placement(std::int32_t b) const {
         const auto& poses = world_.end_poses.empty() ? world_.poses : world_.end_poses;
         const VertexView& vertices = shape(b).end.data ? shape(b).end : shape(b).vertices;

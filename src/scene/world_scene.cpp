@@ -187,7 +187,9 @@ PreparedScene WorldScene::scene(const WorldOutline& outline, bool weld, Parallel
     }
 }
 
-// A proxy triangle whose feature a triangle names has that triangle's class; the others have a class of their body.
+// A proxy triangle is a degenerate one that owns an edge or a point which no triangle owns (scene_features.h). If a
+// triangle has this feature nevertheless, because the feature is listed repeatedly, the proxy triangle is in that
+// triangle's class (BodyClass); else it is in a further class of its body.
 PreparedScene WorldScene::with_proxies(const WorldOutline& outline, const SceneFeatures& features,
                                        const PreparedScene& scene) {
     if (features.proxies() == 0) return scene;

@@ -1,8 +1,8 @@
 #pragma once
 
 // Scene of posed triangles, made from the bodies of one world: from all of their triangles, or only from those that may
-// meet. Any backend can search it. For backends that support this, one scene can hold several worlds side by side
-// (PreparedScene::worlds).
+// meet. Any backend can search it. For backends that search several worlds at once (BackendBase::worlds_at_once), one
+// scene can hold several worlds side by side (PreparedScene::worlds).
 //
 // Worlds are added one after the other, with their bodies in ascending order, and the triangles of each body in
 // ascending order, so that the scene's pairs are in the order of the result. Triangles of one body and one group form a
@@ -41,11 +41,12 @@ class WorldScene {
     /// Ends a world: bodies added from here on belong to the next one.
     void end_world() { first_of_world_.push_back(triangles()); }
 
-    /// Returns the scene, valid until begin().
+    /// Returns the scene, valid until the next begin(). `weld`: vertices at equal positions count as one.
     PreparedScene scene(const WorldOutline& outline, bool weld, ParallelFor& workers);
 
-    /// Returns the scene with the proxy triangles of `features` (scene_features.h), in the classes of their bodies.
-    /// Valid until begin().
+    /// Returns the scene with the proxy triangles of `features`: degenerate triangles that own the edges and points
+    /// which no triangle owns (scene_features.h). Each is in the class of a triangle that names its feature, else in a
+    /// further class of its body. Valid until the next begin().
     PreparedScene with_proxies(const WorldOutline& outline, const SceneFeatures& features, const PreparedScene& scene);
 
     std::int64_t first_of_world(std::size_t w) const { return first_of_world_[w]; }
@@ -91,7 +92,7 @@ class WorldScene {
     BodyFilter* rules_ = nullptr;
     Coordinates start_, end_;
     Array<std::int32_t> corner_, groups_, triangle_;
-    Array<std::int32_t> lone_groups_;  ///< class of each vertex, if there are proxy triangles
+    Array<std::int32_t> lone_groups_;  ///< PreparedScene::lone_groups, if there are proxy triangles
     Array<std::int64_t> first_of_world_;
     Array<Added> added_;
     Array<Row> row_;  ///< scratch

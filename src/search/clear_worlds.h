@@ -1,8 +1,9 @@
 #pragma once
 
-// Finds worlds that are clear: in which no two bodies can come near each other, at the start or during the whole step.
-// For any other world, lists the groups of triangles that may come near those of another body. A group is a leaf of a
-// shape's tree (scene/shape_tree.h), so all shapes must have names. Compares boxes of the trees only, no features.
+// Finds worlds that are clear: in which no pair of bodies that the filter selects can come near each other, at the
+// start or during the whole step. For any other world, lists the groups of triangles that may come near those of
+// another body. A group is a leaf of a shape's tree (scene/shape_tree.h), so all shapes must have names. Compares boxes
+// of the trees only, no features.
 
 #include <compare>
 #include <span>
@@ -33,9 +34,9 @@ class ClearWorlds {
     /// Forgets the world: clear() then returns false and marks nothing.
     void forget() { known_ = false; }
 
-    /// True if no two bodies can be near in the world with index `pass`; the number of worlds stands for the pairs
-    /// among bodies that are in all worlds. If false, marked() has the groups that may be near, or is empty if all may
-    /// be.
+    /// True if no pair that the filter selects can be near in the world with index `pass`. If `pass` is the number of
+    /// worlds, the pairs are those among bodies that are in all worlds. If false, marked() has the groups that may be
+    /// near, or is empty if all may be.
     bool clear(std::int32_t pass);
     /// Returns the marks of the last clear(), sorted by body and group.
     std::span<const Mark> marked() const { return marks_; }

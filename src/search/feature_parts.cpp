@@ -60,8 +60,8 @@ PreparedScene FeatureSearch::prepare_part(BackendBase& backend, const Part& part
     PreparedScene scene = prepare_scene(part.mesh.view(), nullptr, false, backend, buffers_);
     if (given.moving) add_motion(end_of(given), backend, buffers_, scene);
     features_.copy_from(part);
-    // Filters by classes (BodyClass) instead of groups: if faces have groups, a proxy triangle whose feature no face
-    // names is in no group, and only classes can express this.
+    // Filters by classes (BodyClass) instead of groups: if faces have groups, an edge or a point of no face is in no
+    // group, and so is the proxy triangle that owns it (scene_features.h); only classes can express this.
     body_filter_.prepare(rules);
     body_filter_.classes.clear();
     scene.groups = nullptr;

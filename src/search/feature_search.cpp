@@ -127,8 +127,8 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
     result.statistics.pairs = result.count;
 }
 
-// Leaves nothing out under a memory limit, where the trees would take memory from the scenes, and for the reference
-// backend, which has to test everything.
+// No world is left out under a memory limit, where the trees would take memory from the scenes; for the reference
+// backend, which has to test everything; and for a minimum distance that is a share of the distance at the start.
 template <class Query>
 void FeatureSearch::read_clear_worlds(const BackendBase& backend, const Query& query) {
     clear_.forget();

@@ -40,8 +40,8 @@ class FeatureSearch {
    public:
     FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& trees);
 
-    /// `bodies`: true if the rows of the result name bodies; else the world has a single body. `low_memory`: see
-    /// FeatureRequest.
+    /// `bodies`: true if the rows of the result name bodies; false for a mesh, which is a world of a single body.
+    /// `low_memory`: see FeatureRequest.
     template <class Query>
     void find(BackendBase& backend, const World& world, const Query& query, bool bodies, bool low_memory,
               typename Query::Result& result) {
@@ -65,7 +65,7 @@ class FeatureSearch {
     void find(BackendBase& backend, const Part& part, const Query& query, bool low_memory,
               typename Query::Result& result);
 
-    // Queries about a mesh in device memory (device_feature_calls.cpp):
+    // Queries about a mesh in device memory (device_feature_search.cpp):
 
     /// True if the device can run the whole query. Else Detector::find downloads the mesh and runs it on the host, and
     /// launch() throws Error.
@@ -123,12 +123,12 @@ class FeatureSearch {
     void read(const World& world, const PairFilter& rules);
     /// True if there is a single body that can be searched in the caller's memory.
     bool in_place(const PairFilter& rules) const;
-    /// Makes a scene of the only body in the caller's memory, and prepares features_ and rule_. `step`: true if the
-    /// scene has end positions, too.
+    /// Makes a scene of the only body in the caller's memory, and prepares features_ and scene_filter_. `step`: true
+    /// for a query about a step: the scene then has end positions, if the shape has any.
     PreparedScene prepare_in_place(BackendBase& backend, bool step, bool weld);
-    /// Makes a scene of posed copies of the bodies of world `pass` and the bodies that are in all worlds (if `pass` is
-    /// the number of worlds: only the latter), and prepares features_ and rule_. Returns nothing if own_bodies(pass) is
-    /// 0. `marked`: unless empty, uses only these groups of triangles.
+    /// Makes a scene of posed copies of the bodies of world `pass` and the bodies that are in all worlds (only of the
+    /// latter if `pass` is the number of worlds), and prepares features_ and scene_filter_. Returns nothing if
+    /// own_bodies(pass) is 0. `marked`: unless empty, uses only these groups of triangles.
     std::optional<PreparedScene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld,
                                               std::span<const ClearWorlds::Mark> marked = {});
     void add_marked(std::int32_t pass, std::span<const ClearWorlds::Mark> marked);
@@ -179,12 +179,12 @@ class FeatureSearch {
     WorldScene scene_;
     JoinedLists lists_;
     SceneBuffers buffers_;
-    Array<std::int32_t> class_of_;  ///< of the current part: the class of each triangle
+    Array<std::int32_t> class_of_;  ///< class (BodyClass) of each triangle of the current part
     SceneFeatures features_;
     NearInput near_input_;
     FeatureResult found_;
     TriangleImpacts triangle_impacts_;
-    // Per body that was added to the scene, and the end:
+    // First edge and first point of each body that was added to the scene, in their order, then the end:
     Array<std::int64_t> first_edge_, first_point_;
 
     /// Inputs of the last launches, by number modulo most_in_flight. wait() runs a launch again if its features were

@@ -29,7 +29,7 @@ class PosedGroup {
     /// Returns the triangles of the group whose boxes overlap `other`, stored in `room`.
     std::span<const Boxed> boxes_overlapping(const Bounds& other, Buffers& room) const;
 
-    std::int32_t index = -1;  ///< index of the group, -1: none yet
+    std::int32_t index = -1;  ///< index of the posed group; -1 before the first pose()
     const ShapeTree::Group* group = nullptr;
     Bounds all;
     alignas(64) ShapeTree::Posed coordinate;
@@ -38,8 +38,8 @@ class PosedGroup {
 };
 
 /// True if bodies a and b have a pair of triangles that collides and that the filter of groups selects. The caller must
-/// have checked the filter of bodies. Adds the number of pairs that it has decided to `decided`: pairs that the filter
-/// selects and whose boxes overlap. Thread-safe: accesses its arguments only.
+/// have checked the filter of bodies. Adds the number of pairs of triangles that it has decided to `decided`: those
+/// that the filter selects and whose boxes overlap. Thread-safe: accesses its arguments only.
 bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& query, const BodyFilter& rules, std::int32_t a,
                  const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b, std::int64_t& decided);
 

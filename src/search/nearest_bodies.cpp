@@ -115,8 +115,9 @@ bool NearestSearch::walk_row(NearestWalk& walk, std::size_t row, double radius, 
     return is_near;
 }
 
-// Keeps the nearest of rows [begin, end), and of several with the same squared distance the first. Bounds all distances
-// from above, then runs the walks in the order of these bounds, so that most later walks end early.
+// Sets `kept_` for the nearest of rows [begin, end), the first if several have the same rounded squared distance; for
+// none if no row is within the radius. Bounds all distances from above, then runs the walks in the order of these
+// bounds, so that most later walks end early.
 void NearestSearch::keep_nearest(NearestWalk& walk, std::size_t begin, std::size_t end, Distances& answer) {
     struct BoundedRow {
         double bound;

@@ -1,9 +1,10 @@
 #pragma once
 
 // Finds the distances of bodies, on any backend that runs on the host: builds the trees of all shapes (or takes cached
-// ones of named shapes), lists the pairs of bodies that the filter selects and that may be near enough, and runs one
-// walk for each pair (search/nearest_walk.h), on all threads. Each pair of bodies has a row of the result; rows that
-// turn out not to belong to the result are dropped at the end.
+// ones of named shapes), lists the pairs of bodies that the filter selects and that may be near enough, and walks the
+// trees of each pair (search/nearest_walk.h), on all threads. If only the nearest pair of each world is requested, it
+// omits walks of pairs that are certainly farther apart than another pair. At first each pair of bodies has a row; rows
+// that turn out not to belong to the result are dropped at the end.
 
 #include <memory>
 #include <mutex>
@@ -53,12 +54,12 @@ class NearestSearch {
     double radius_ = 0;
     WorldOutline outline_;
     BodyFilter rules_;
-    std::vector<const ShapeTree*> trees_;              ///< by shape
-    std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
-    Array<Bounds> box_;                                ///< by body; contains all of its posed vertices
-    Array<std::size_t> first_row_;                     ///< by world: its first row, before any is dropped; then the end
+    std::vector<const ShapeTree*> trees_;              ///< tree of each shape that a body has
+    std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of the current call, for shapes without a name
+    Array<Bounds> box_;                                ///< by body: a box that contains all of its posed vertices
+    Array<std::size_t> first_row_;  ///< by world: index of its first row before rows are dropped; then the end
     std::mutex mutex_;
-    std::vector<std::unique_ptr<NearestWalk>> idle_;  ///< guarded by the mutex
+    std::vector<std::unique_ptr<NearestWalk>> idle_;  ///< walks that no thread uses, for reuse; guarded by the mutex
     Array<std::uint8_t> kept_;                        ///< by row: 1 if it belongs to the result
 };
 

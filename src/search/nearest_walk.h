@@ -29,11 +29,11 @@ struct PosedLeaf {
     TrianglePoints triangle(std::size_t k) const;
 };
 
-/// Counts of tests.
+/// Counts of tests of all walks since clear_counts().
 struct NearestCounts {
-    std::int64_t tests = 0;     ///< pairs of triangles tested in float64
-    std::int64_t exact = 0;     ///< tests that also decided intersection exactly
-    std::int64_t rational = 0;  ///< decisions in rational arithmetic
+    std::int64_t tests = 0;     ///< pairs of triangles that neither intervals nor groups have excluded
+    std::int64_t exact = 0;     ///< pairs of triangles for which it was decided exactly whether they intersect
+    std::int64_t rational = 0;  ///< number of decisions that needed rational arithmetic
 };
 
 /// Runs one walk after another and reuses its memory. Used by one thread at a time.
@@ -50,7 +50,7 @@ class NearestWalk {
     /// Bounds the distance of the bodies from above, by a single descent in both trees. Returns nothing if they are
     /// certainly farther apart than `radius`. Else returns an upper bound on the distance, which is valid if the
     /// distance is at most `radius`. The bound is infinite if the descent finds no pair of triangles that the filter
-    /// selects.
+    /// selects and that may be within `radius`.
     std::optional<double> upper_bound(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
                                       double radius);
 
@@ -74,7 +74,7 @@ class NearestWalk {
         std::int32_t body = 0;
         const ShapeTree* tree = nullptr;
         Placement place;
-        float unit = 1;  ///< unit of the tree's boxes
+        float unit = 1;  ///< unit of length of the tree's boxes (SmallFrame)
         const BoxDistance::Side* boxes = nullptr;
         Array<PosedLeaf> leaves;                          ///< cached groups, direct-mapped by group number
         std::array<std::int32_t, cached_leaves> group{};  ///< the group in each entry of `leaves`; -1: none
@@ -109,13 +109,16 @@ class NearestWalk {
     // State of the current walk:
     Side a_, b_;
     std::optional<BoxDistance> boxes_;
-    /// Largest distance that is not pruned: at first the radius, then the lowest upper bound found on the distance.
+    /// Largest distance that is not pruned: at first slightly more than the radius, then the lowest upper bound found
+    /// on the distance.
     double upper_ = 0;
-    float limit_ = 0;  ///< `upper_` as a threshold of BoxDistance::Intervals gaps
+    float limit_ = 0;  ///< BoxDistance::limit() of `upper_`: larger gaps are pruned
     bool found_ = false, touching_ = false;
-    NearestCandidate closest_{};          ///< pair that gave `upper_`, or the touching pair
-    Vec3d direction_;                     ///< direction between the closest points of that pair, 0 if there is none
-    Array<NearestCandidate> candidates_;  ///< all pairs of triangles that may be the closest
+    /// Pair that gave `upper_`, or the first candidate if none did; if pairs touch, the first of them found so far in
+    /// the order of the result.
+    NearestCandidate closest_{};
+    Vec3d direction_;  ///< direction between the closest points of the last `closest_` that did not touch, else 0
+    Array<NearestCandidate> candidates_;  ///< all pairs of triangles that may be the closest, unless a pair touches
     /// Candidates that have become too far are dropped when there are more than this many.
     std::size_t drop_threshold_ = 0;
 };

@@ -23,7 +23,7 @@ struct EnclosedArea {
     }
 };
 
-/// Coordinates are integers in units of 2^exponent.
+/// Adds up twice the areas of triangles whose coordinates are integers in units of 2^exponent.
 struct ExactArea {
     RationalSum& twice;
     int exponent;

@@ -12,7 +12,7 @@
 namespace crumple {
 
 struct ContactArea {
-    double area = 0;         ///< correctly rounded
+    double area = 0;         ///< common area, correctly rounded
     bool was_exact = false;  ///< true if it needed rational arithmetic
 };
 

@@ -5,7 +5,7 @@ namespace {
 
 struct ExactPoint {
     Vec3<Integer> x;
-    Integer w = 1;  ///< positive
+    Integer w = 1;  ///< denominator of the coordinates; positive
 };
 
 /// Converts points to integer coordinates relative to the origin, in units of 2^exponent.
@@ -76,7 +76,7 @@ void ExactTerms::add(const Segment& segment, CurveTotals<RationalSum>& totals) c
     const auto [e, w] = unit.at(CrossingEdge(scene_, segment, segment.end));
     const Integer both = v * w, times = segment.times;
     unit.add(times * cross(s, e), both, 2, totals.area);
-    // The term of the torque: (e/w − s/v) ((s/v)² + (s/v) (e/w) + (e/w)²)
+    // Term of the torque for a segment from s/v to e/w: (e/w − s/v) ((s/v)² + (s/v) (e/w) + (e/w)²)
     const Integer square = dot(s, s) * w * w + dot(s, e) * both + dot(e, e) * v * v;
     unit.add(Integer(times * square) * (v * e - w * s), both * both * both, 3, totals.torque);
 }

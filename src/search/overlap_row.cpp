@@ -12,9 +12,9 @@
 namespace crumple {
 namespace {
 
-/// Result for a chunk of triangle pairs: winding steps, segments and coplanar pairs.
+/// Result for a chunk of triangle pairs: steps of winding numbers, segments and coplanar pairs.
 struct CrossedPairs {
-    std::array<std::array<WindingSteps, 2>, 2> steps;  ///< by shift and side
+    std::array<std::array<WindingSteps, 2>, 2> steps;  ///< by shift (forward, backward) and by surface (first, second)
     std::vector<Segment> segments, links;
     std::vector<Pair> coplanar;
 

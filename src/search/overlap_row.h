@@ -30,7 +30,7 @@ namespace crumple {
 class OverlapOfBodies {
    public:
     struct Request {
-        bool numbers = true;  ///< false: only the volume and the relation
+        bool numbers = true;  ///< false: finds only the volume and the relation
         bool gradient = false, windings = false, curves = false;
         int orientation = 1;  ///< for a body with itself: −1 if its faces are to be reversed
     };
@@ -49,8 +49,8 @@ class OverlapOfBodies {
     OverlapRow find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, const Vec3d& origin,
                     const Request& request);
 
-    /// Returns the result for surfaces of which at least one is not closed: of the numbers only the contact area, and
-    /// curves if requested.
+    /// Returns the result for surfaces of which at least one is not closed. Of the numbers it has only the contact area
+    /// and the torque point, `origin`. It has curves if they are requested.
     OverlapRow find_open(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
                          const Vec3d& origin, const Request& request);
 
@@ -103,11 +103,11 @@ class OverlapOfBodies {
     const OverlapKernels* kernels_;
     MemoryMeter& meter_;
     Cancellation& cancellation_;
-    MemoryClaim memory_;  ///< bytes of steps, segments and faces
+    MemoryClaim memory_;  ///< memory of the steps, segments and faces below, counted by the meter
     bool was_exact_ = false;
     std::span<const Pair> pairs_;
     std::vector<Segment> links_;         ///< segments without length; they connect curves (joined_curves.h)
-    std::vector<Pair> coplanar_;         ///< coplanar pairs; for a body with itself in one order
+    std::vector<Pair> coplanar_;         ///< pairs of coplanar triangles; for a body with itself, each pair once
     int self_ = 0;                       ///< for a body with itself: its orientation; else 0
     std::array<ShiftedSteps, 2> steps_;  ///< by shift: forward, and for gradients also backward
     OverlapSums sums_;

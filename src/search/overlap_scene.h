@@ -10,7 +10,7 @@
 
 namespace crumple {
 
-/// Two bodies, and the origin of the sums over their overlap.
+/// Surfaces of two bodies under their poses, and the origin of the sums over their overlap.
 struct OverlapScene {
     std::array<const PlacedSurface*, 2> surface{};
     Vec3d origin;

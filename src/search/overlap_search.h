@@ -5,7 +5,8 @@
 //
 //   bodies  --search of worlds----------->  pairs of triangles that intersect, by pair of bodies
 //           --containment/closed_bodies.h-> pairs of bodies whose boxes overlap, of closed surfaces
-//   only flags are requested: finds which surfaces meet, then bodies inside others (containment/contained_bodies.h)
+//   only flags are requested, and all surfaces are closed, without min_volume and self_overlaps:
+//           finds which surfaces meet, then bodies inside others (containment/contained_bodies.h)
 //   else for each pair of bodies, on one worker: posed vertices, sums, numbers, relation -> a row
 
 #include <vector>
@@ -54,7 +55,7 @@ class OverlapSearch {
     OverlapQuery query_;
     SceneBuffers buffers_of_two_;
     Intersections found_;
-    Array<Pair> pairs_;  ///< sorted by pair of bodies
+    Array<Pair> pairs_;  ///< pairs of triangles that intersect, sorted by pair of bodies
     std::vector<Candidate> candidates_;
     bool none_is_open_ = true;  ///< true if all surfaces of pairs whose boxes overlap are closed
 };

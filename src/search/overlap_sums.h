@@ -4,7 +4,7 @@
 // (exact/overlap/pair_terms.h). Each sum is computed by the cheapest of three tiers that can round it:
 //
 //   double-double in lanes, one bound per term    if the backend has kernels, for bodies in the double-double range
-//   double-double, one bound per operation        for bodies in that range; bounds of small integers are 0
+//   double-double, one bound per operation        for bodies in that range; 0 if coordinates are small integers
 //   integers and rationals                        always
 //
 // If the bounds of one tier are too wide to round a number, the next tier computes its sums again: those over volumes,
@@ -32,8 +32,8 @@ class OverlapSums {
     // Input of the sums, which must not change once a sum has been requested:
     OverlapScene scene;
     std::vector<Segment> segments;
-    std::array<std::vector<CountedFace>, 2> faces;  ///< faces of a and b
-    bool numbers = true;                            ///< false: only the volume is requested
+    std::array<std::vector<CountedFace>, 2> faces;  ///< counted faces of the first and of the second body
+    bool numbers = true;                            ///< false: only the volume is requested, no centroid and no curves
 
     template <class Combine>
     RoundedSum volume(Combine combine, int divisor) {

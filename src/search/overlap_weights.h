@@ -65,7 +65,7 @@ class WeightedFaces {
 
    private:
     std::vector<Entry> faces_;
-    std::vector<std::uint8_t> is_crossed_;  ///< per face; all 0 between calls
+    std::vector<std::uint8_t> is_crossed_;  ///< by face: 1 if it has an entry; all 0 between calls
 };
 
 }  // namespace crumple

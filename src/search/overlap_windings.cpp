@@ -18,8 +18,8 @@ void WindingSteps::add_jumps(const ClosedSurface& surface, std::int32_t face, co
 }
 
 // If a component has a vertex outside of the other surface's box, the winding number there is 0, and the steps from the
-// first vertex to that vertex give the number at the first. From the first vertices of all other components, rays are
-// cast together, in one pass over the faces.
+// first vertex to that vertex give the number at the first vertex. From the first vertices of all other components,
+// rays are cast together, in one pass over the faces.
 void WindingSteps::add_components(const PlacedSurface& of, const PlacedSurface& other, Shift shift,
                                   Cancellation& cancellation) {
     std::sort(steps_.begin(), steps_.end());

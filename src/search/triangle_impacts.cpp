@@ -13,8 +13,8 @@ bool names(const std::int32_t* corners, std::int32_t vertex) {
     return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
 }
 
-// Runs a search, and then restores the meter's peak if it was higher before: a search that frees its memory and starts
-// again resets the peak.
+// Runs a search, and then restores the peak of the memory meter if it was higher before the search: a search that frees
+// its memory and starts again resets the peak.
 template <class Search>
 void keeping_peak(MemoryMeter& meter, Search search) {
     const std::int64_t before = meter.peak;
@@ -46,7 +46,9 @@ void TriangleImpacts::release() {
     rows_ = FeatureRows(&meter_);
 }
 
-// Returns the scene at the start, without proxy triangles, and with representative vertices.
+// Returns the scene at the start of the step, without the proxy triangles of lone or repeated edges and points
+// (scene/scene_features.h). If vertices are welded, corners are replaced by their representatives
+// (SceneFeatures::name).
 PreparedScene TriangleImpacts::at_start(const PreparedScene& scene, const SceneFeatures& features) {
     PreparedScene start = scene;
     start.moving = false;

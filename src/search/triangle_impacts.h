@@ -20,8 +20,8 @@ class TriangleImpacts {
    public:
     explicit TriangleImpacts(MemoryMeter& meter);
 
-    /// True if some pair of triangles intersects at the start. `scene`: the scene, with the proxy triangles of
-    /// `features`.
+    /// True if some pair of triangles intersects at the start. `scene`: the scene with the proxy triangles of
+    /// `features`: degenerate ones for edges and points that no triangle owns (SceneFeatures::with_proxies).
     bool any_at_start(BackendBase& backend, const PreparedScene& scene, const SceneFeatures& features);
 
     /// Makes rows() from all impacts of features (`found`) and the pairs that intersect at the start. Each pair has one
@@ -51,11 +51,11 @@ class TriangleImpacts {
     void write_rows(ParallelFor& workers);
 
     MemoryMeter& meter_;
-    Array<std::int32_t> corners_;       ///< if vertices are welded: corners by representatives
-    Array<Pair> intersecting_;          ///< pairs that intersect at the start, in any order
+    Array<std::int32_t> corners_;       ///< representatives of all triangles' corners, if vertices are welded
+    Array<Pair> intersecting_;          ///< pairs of triangles that intersect at the start, in any order
     Array<std::int64_t> first_use_;     ///< by vertex: start of its entries in `uses_`
-    Array<std::int32_t> uses_;          ///< triangles that name each vertex
-    Array<std::int64_t> first_, kept_;  ///< by the first triangle of a pair: start of its entries; of its rows
+    Array<std::int32_t> uses_;          ///< triangles that have the vertex as a corner, vertex by vertex
+    Array<std::int64_t> first_, kept_;  ///< by first triangle of pairs: start of its entries, start of its rows
     Array<Entry> entries_;
     FeatureRows rows_;
 };

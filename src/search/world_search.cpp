@@ -114,8 +114,8 @@ void WorldSearch::read_bodies() {
     near_.prepare(outline_, [&](std::int32_t b) { return read_box(b); });
 }
 
-// Returns a box of all posed vertices of body b. Throws Error if one is not finite. A body without triangles has an
-// empty box.
+// Returns a box that contains all posed vertices of body b. Throws Error if one is not finite. A body without triangles
+// has an empty box.
 Bounds WorldSearch::read_box(std::int32_t b) const {
     const Shape& shape = outline_.shape(b);
     const Placement place = outline_.placement(b);
@@ -148,7 +148,8 @@ bool WorldSearch::may_meet(std::int32_t a, std::int32_t b) const {
     return grouped || rules_.groups(outline_.body(a).group, outline_.body(b).group);
 }
 
-// Decides pairs of bodies that both have trees, if only flags are requested. Worlds are independent tasks.
+// Decides pairs of bodies that both have trees, if no pairs of triangles are requested. Worlds are independent of each
+// other; a task has `worlds_a_task` of them.
 void WorldSearch::search_directly(BackendBase& backend, Intersections& result) {
     const auto tasks = static_cast<std::size_t>((passes() + worlds_a_task - 1) / worlds_a_task);
     std::vector<std::vector<BodyPair>> meet(tasks);

@@ -3,9 +3,10 @@
 // Intersections of worlds, on any backend: each world's bodies become a scene of posed triangles, from which bodies and
 // groups of triangles that cannot meet others are left out.
 //
-//   shapes  --named, or in all of several worlds-->  trees (scene/shape_tree.h), cached by name
+//   shapes with names -----------------------------> trees (scene/shape_tree.h), cached by name
+//   other shapes of bodies that are in all worlds -> trees of this call, if there are several worlds
 //   bodies  ---------------------------------------> boxes, and pairs of bodies whose boxes overlap
-//   if both bodies of a pair have trees, and only flags are requested:  search/first_hit.h decides the pair
+//   if both bodies of a pair have trees, and no pairs of triangles are requested: search/first_hit.h decides the pair
 //   else: groups of triangles that may meet, or whole bodies --> WorldScene --> the backend's search of a scene
 //
 // A scene has one world, or many side by side if the backend supports it (worlds_at_once).
@@ -96,8 +97,8 @@ class WorldSearch {
     BodyFilter rules_;
     bool float32_ = true;
     bool boxes_ = false;                               ///< true if near_ has the boxes of all bodies
-    std::vector<const ShapeTree*> trees_;              ///< by shape; null: the shape has no tree
-    std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of shapes without a name
+    std::vector<const ShapeTree*> trees_;              ///< tree of each shape; null if it has none
+    std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of the current call, for shapes without a name
     NearBodies near_;
     Array<Mark> marks_;
     Array<BodyPair> near_pairs_;  ///< in the collected world: pairs of bodies that may meet, in both orders
@@ -106,7 +107,7 @@ class WorldSearch {
     std::vector<std::int32_t> joined_;  ///< indices of the worlds that are side by side in the scene
     WorldScene scene_;
     Intersections found_;
-    Array<std::uint8_t> flags_;  ///< hits of the joined worlds
+    Array<std::uint8_t> flags_;  ///< hit flag of each joined world; for Output::any only the first is used
 
     std::int64_t most_joined_;  ///< maximum number of triangles of several joined worlds; lowered if memory is short
 };

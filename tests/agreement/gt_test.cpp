@@ -59,9 +59,10 @@ class DataTest : public testing::Test {
     std::optional<fs::path> folder = io::test::data_folder();
 };
 
-// These tests are built once for each backend to be verified.
+// Besides brute force, these tests verify one backend, test::tested_backend (tested_backend.h).
 
-/// Returns the backends to compare; leaves out brute force where it would take more than a second.
+/// Returns the backends to compare with the ground truth. Leaves out brute force for more than 1,500 triangles, where
+/// it would take more than a second.
 std::vector<Backend> backends_for(std::int64_t triangles) {
     if (triangles <= 1'500) return {Backend::reference, test::tested_backend};
     return {test::tested_backend};

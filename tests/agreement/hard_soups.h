@@ -50,7 +50,7 @@ class SoupBuilder {
         for (const double x : xyz_) scaled.push_back(static_cast<Scalar>(unit * x));
         mesh.vertices = std::move(scaled);
         mesh.triangles = corners_;
-        // Three groups, in no relation to space.
+        // Assigns each triangle to one of three groups at random, so that groups are unrelated to positions.
         scenes::Random groups(7);
         for (std::size_t t = 0; t < corners_.size() / 3; ++t) mesh.groups.push_back(groups.integer(3) - 1);
         return mesh;
@@ -178,7 +178,7 @@ inline SoupBuilder collinear_soup(int triangles) {
     return soup;
 }
 
-/// Triangles a thousand times as long as they are wide, which cross around the origin.
+/// Triangles up to 1,700 units long and a few units wide, which pass close to the origin.
 inline SoupBuilder needle_soup(int triangles) {
     SoupBuilder soup(17);
     for (int i = 0; i < triangles; ++i) {
@@ -203,8 +203,8 @@ inline SoupBuilder duplicates(int copies) {
     return soup;
 }
 
-/// A grid soup and, after its triangles, `copies` copies of each of six degenerate triangles, points and segments,
-/// whose corners are vertices of the grid soup in every order.
+/// A grid soup and, after its triangles, six times `copies` degenerate triangles: three points and three segments,
+/// whose corners are vertices of the grid soup, `copies` times each, with the corners in random order.
 inline SoupBuilder padded_soup(int copies) {
     SoupBuilder soup = grid_soup(4, 40, 50, 6);
     const auto any_vertex = [&] { return soup.random.integer(40); };

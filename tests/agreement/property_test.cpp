@@ -23,7 +23,7 @@ Grid any_soup() {
     const auto corner = rc::gen::inRange<std::int32_t>(0, static_cast<std::int32_t>(soup.vertices.size()));
     soup.triangles = *rc::gen::container<std::vector<std::array<std::int32_t, 3>>>(
         rc::gen::container<std::array<std::int32_t, 3>>(corner));
-    // Repeated degenerate triangles.
+    // Adds six copies of each of up to three degenerate triangles.
     for (int copies = *rc::gen::inRange(0, 4); copies > 0; --copies) {
         const std::int32_t a = *corner, b = *corner;
         const std::array<std::int32_t, 3> copied = *rc::gen::element(

@@ -89,7 +89,7 @@ TEST_P(Candidacy, boxes_hold_whole_trajectories) {
         soup.triangles.push_back({v, v, v});
     };
     point({0, 0, 0}, {4, 4, 0});  // its trajectory is a diagonal, its box a square
-    point({0, 4, 0}, {0, 4, 0});  // at a corner of that box
+    point({0, 4, 0}, {0, 4, 0});  // static, at a corner of that box
     point({5, 4, 0}, {5, 4, 0});
     const auto pairs = [&](double r, bool step) {
         const CandidateQuery query{.kinds = {CandidateKind::vertex_vertex}, .inflation = r};

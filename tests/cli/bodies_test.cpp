@@ -209,7 +209,7 @@ TEST_F(Bodies, error_in_poses_names_row_and_body) {
                 at(0, 0, 0),
             "configuration 1, body 'hand': vertex");
     expect_refused("robot.glb --groups bodies --poses none.csv", "none.csv");
-    std::string many;  // more than are searched at once
+    std::string many;  // more configurations than are searched at once
     for (int i = 0; i < 10'000; ++i) many += good;
     refused(many + at(1e308, 0, 0) + at(0, 0, 0) + at(0, 0, 0) + at(0, 0, 0),
             "configuration 30000, body 'base': vertex");

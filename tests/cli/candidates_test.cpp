@@ -60,7 +60,7 @@ TEST_F(Candidates, summary_of_empty_list_counts_triangles) {
     EXPECT_EQ(read("a.txt"), "");
 }
 
-TEST_F(Candidates, groups_welding_and_statistics_apply) {
+TEST_F(Candidates, options_for_groups_welding_and_statistics_are_obeyed) {
     const std::string groups = step + " --groups components --filter ";
     EXPECT_EQ(list(groups + "between"), step_candidates);
     EXPECT_EQ(list(groups + "within"), "");

@@ -84,7 +84,7 @@ TEST_F(Near, check_reports_near_pairs_by_exit_status) {
     EXPECT_EQ(read("a.txt"), closest);
 }
 
-TEST_F(Near, groups_and_statistics_apply) {
+TEST_F(Near, options_for_groups_statistics_and_progress_are_obeyed) {
     EXPECT_EQ(list("near above.off --radius 1 --groups components --filter between"), closest);
     EXPECT_EQ(list("near above.off --radius 1 --groups components --filter within"), "");
     EXPECT_TRUE(contains(crumple("near above.off --radius 1 --stats").err, "1 vertex-face, 0 edge-edge"));

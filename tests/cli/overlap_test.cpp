@@ -111,7 +111,7 @@ class Overlap : public Cli {
     }
 };
 
-TEST_F(Overlap, each_relation_is_printed_in_words) {
+TEST_F(Overlap, relations_of_closed_bodies_are_printed_in_words) {
     EXPECT_EQ(text("low.off high.off", "1 pair of bodies (1 overlapping), 2 of 2 bodies, "),
               "low and high overlap: volume 0.25, mean depth 0.25, normal (0 0 1)\n");
     EXPECT_EQ(text("low.off on.off", "1 pair of bodies (1 touching), "),
@@ -181,7 +181,7 @@ TEST_F(Overlap, rows_name_their_configuration) {
     EXPECT_EQ(nlohmann::json::parse(read("a.json"))["bodies"].dump(), "[[0,1],[0,1]]");
 }
 
-TEST_F(Overlap, every_format_reads_back_exactly) {
+TEST_F(Overlap, csv_json_and_npz_read_back_exactly) {
     // Coordinates that have no short decimal form.
     write("third.off", box_off({1. / 3, 1. / 7, -1. / 9}, {11. / 13, 2, 0.1}));
     const std::string files = "low.off third.off high.off on.off small.off ";

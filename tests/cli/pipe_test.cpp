@@ -76,7 +76,7 @@ TEST_F(Pipe, dash_means_standard_input_or_output) {
         EXPECT_EQ(shell("$crumple detect five.off -o " + name).status, 0);
         const Outcome outcome = shell(std::string("$crumple detect five.off -o - --format ") + format);
         EXPECT_EQ(outcome.err, "") << format;
-        if (std::string(format) == "json" || std::string(format) == "html") {  // contain times, or generated names
+        if (std::string(format) == "json" || std::string(format) == "html") {  // these contain times or generated names
             EXPECT_EQ(outcome.out.substr(0, 40), read(name).substr(0, 40));
         } else {
             EXPECT_TRUE(outcome.out == read(name)) << format;

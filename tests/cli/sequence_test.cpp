@@ -84,7 +84,7 @@ TEST_F(Sequence, rows_are_written_as_csv_and_json) {
     }
 }
 
-TEST_F(Sequence, scene_can_replace_files) {
+TEST_F(Sequence, scene_can_be_named_instead_of_files) {
     const auto rows = lines(crumple("sequence --scene cutting --triangles 300").out);
     ASSERT_EQ(rows.size(), 121u);
     EXPECT_TRUE(rows[1].starts_with("0,")) << rows[1];

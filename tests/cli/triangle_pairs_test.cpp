@@ -24,7 +24,7 @@ TEST_F(TrianglePairs, triangle_pairs_include_intersections_at_the_start) {
     EXPECT_EQ(list(stuck + " --triangle-pairs"), "ff 0 1 0 1\n");
 }
 
-TEST_F(TrianglePairs, every_format_can_be_verified) {
+TEST_F(TrianglePairs, lists_in_every_format_can_be_verified) {
     const Outcome outcome = crumple(stuck + " --triangle-pairs -o a.txt -o a.csv -o a.json -o a.npz -o a.glb");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_TRUE(outcome.err.starts_with("1 pair of triangles, 1 from the start, ")) << outcome.err;

@@ -50,7 +50,7 @@ TEST_F(VerifyFeatures, every_mistake_is_listed) {
         EXPECT_EQ(impacts(rows).status, 1) << rows;
 }
 
-TEST_F(VerifyFeatures, contact_at_the_start_precedes_time_zero) {
+TEST_F(VerifyFeatures, row_that_denies_contact_at_the_start_counts_as_late) {
     write("below.off", above_off);
     EXPECT_EQ(impacts("vf 3 0 0 1", "--min-distance 1").status, 0);
     EXPECT_EQ(impacts("vf 3 0 0", "--min-distance 1").status, 0);

@@ -52,7 +52,7 @@ double slant(const Vec3d& edge, const Vec3d& y, const Vec3d& z) {
     return std::abs(2 * u * w) / (u * u + w * w);
 }
 
-TEST(EdgeMoment, frame_turns_to_edges_in_two_directions) {
+TEST(EdgeMoment, frame_aligns_with_edges_in_two_perpendicular_directions) {
     std::mt19937 engine(7);
     const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
     for (int round = 0; round < 1000; ++round) {
@@ -72,7 +72,7 @@ TEST(EdgeMoment, frame_turns_to_edges_in_two_directions) {
     }
 }
 
-TEST(EdgeMoment, frame_stays_without_edges_across_it) {
+TEST(EdgeMoment, edges_along_the_first_axis_do_not_turn_the_frame) {
     PrincipalAxes axes = principal_axes({3, 0, 0, 2, 0, 1});
     EdgeMoment moment;
     moment.add_triangle({0, 0, 0}, {0, 0, 0}, {0.5, 0, 0}, axes);
@@ -131,7 +131,7 @@ TEST(LeafRecords, boxes_and_planes_hold_their_triangles) {
     for (int i = 0; i < 3; ++i)
         frame.axis[i] = {static_cast<float>(axes.axis[i].x), static_cast<float>(axes.axis[i].y),
                          static_cast<float>(axes.axis[i].z)};
-    for (const float big : {10.0f, 0.3f}) {  // big: triangles with larger coordinates; none, then many
+    for (const float big : {10.0f, 0.3f}) {  // triangles with coordinates beyond `big` are "big": none, then many
         frame.big = big;
         for (const test::Tables& kernels : test::kernel_tables()) {
             for (const PointRows rows : {PointRows{points.data(), nullptr}, PointRows{nullptr, points64.data()}}) {

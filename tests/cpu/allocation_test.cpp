@@ -1,5 +1,5 @@
-// Tests that warm calls on scenes of the same size allocate nothing. Every operator new of the process is counted,
-// except for oneTBB's tasks, which have an allocator of their own.
+// Tests that warm calls, those of a detector that has searched scenes of the same size before, allocate nothing. Every
+// operator new of the process is counted, except for oneTBB's tasks, which have an allocator of their own.
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 namespace crumple::cpu {
 namespace {
 
-// Balls of all sizes, a third of them at centres and a third midway between two centres.
+// Returns balls with radii from 2^-21 to 1, a third of them at centres and a third midway between two centres.
 Array<Ball> make_balls(const Centres& centres, int count, std::mt19937& engine) {
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
     Array<Ball> balls;

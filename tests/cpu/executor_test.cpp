@@ -65,7 +65,8 @@ TEST(Executor, every_executor_gives_the_same_bytes) {
     }
 }
 
-/// Needles along the sweep direction, few of which intersect: one leaf with so much work that it is split into tiles.
+/// Needles along the sweep direction, few of which intersect: one leaf with so much work that its sweep is split into
+/// tiles, which several threads can run.
 test::Soup<float> needles() {
     test::Soup<float> soup;
     std::mt19937 engine(3);
@@ -85,7 +86,8 @@ TEST(Executor, one_large_leaf_is_split_without_nested_loops) {
     Detector own({.backend = Backend::cpu, .threads = 1, .clusters = 1, .leaf_size = 100000});
     const Intersections expected = own.find(soup.view());
     ASSERT_GT(expected.statistics.interval_tests, 5'000'000) << "enough for tiles";
-    // The leaf's worker would sweep alone if its tiles were not tasks.
+    // Executor that records the largest number of tasks of a loop. If tiles were not tasks, the worker (thread) of a
+    // leaf would sweep it alone, and that number would be small.
     struct Counting : test::Threads {
         Counting() : Threads(3) {}
         void parallel_for(std::size_t n, test::Loop task) override {

@@ -28,7 +28,7 @@ TEST(Options, clusters_leaves_and_threads_do_not_change_the_result) {
         for (const int leaf_size : {3, 40, 500, 100000})
             for (const int threads : {1, 2, 5, 16}) {
                 Detector detector({.threads = threads, .clusters = clusters, .leaf_size = leaf_size});
-                for (int frame = 0; frame < 2; ++frame) {  // cold, then warm
+                for (int frame = 0; frame < 2; ++frame) {  // a first call, and a warm-started one
                     const Intersections& found = detector.find(sheet.view());
                     EXPECT_EQ(difference(pairs_of(expected), pairs_of(found)), "")
                         << clusters << " clusters, leaves of " << leaf_size << ", " << threads << " threads";
@@ -43,7 +43,7 @@ TEST(Options, clusters_leaves_and_threads_do_not_change_the_result) {
 
 TEST(Options, warm_detector_uses_as_many_clusters_as_a_new_one) {
     const auto small = test::wavy_sheet(20), large = test::wavy_sheet(60);
-    const Options options{.leaf_size = 1200};  // 1 and 6 leaves
+    const Options options{.leaf_size = 1200};  // `small` fits into one leaf, `large` needs several
     const auto clusters = Detector(options).find(large.view()).statistics.clusters;
     ASSERT_GT(clusters, 1);
     Detector detector(options);

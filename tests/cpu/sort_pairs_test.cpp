@@ -1,4 +1,5 @@
-// Tests that pairs of workers are sorted, whatever their indices and however they are distributed over buckets.
+// Tests that the lists of pairs of several workers (threads) are sorted into one, whatever the pairs' indices, and
+// however they are distributed over buckets (ranges of first indices).
 
 #include "backends/cpu/stages/sort_pairs.h"
 
@@ -76,8 +77,8 @@ constexpr std::int32_t largest = std::numeric_limits<std::int32_t>::max();
 TEST_P(SortedPairs, pairs_of_any_indices_are_sorted) {
     for (const bool low_memory : {false, true}) {
         for (const std::int32_t seconds : {40, 1000, 1 << 18, (1 << 22) - 1, 1 << 22, 1 << 23, largest})
-            expect_sorted({5000, seconds, 0, 0, 5000}, 20'000, low_memory);          // keys of 32 and 64 bits
-        expect_sorted({3'000'000, 3'000'000, 0, 0, 3'000'000}, 20'000, low_memory);  // larger buckets
+            expect_sorted({5000, seconds, 0, 0, 5000}, 20'000, low_memory);          // keys of 32 or of 64 bits
+        expect_sorted({3'000'000, 3'000'000, 0, 0, 3'000'000}, 20'000, low_memory);  // buckets of more first indices
     }
 }
 TEST_P(SortedPairs, pairs_in_few_buckets_are_sorted) {
@@ -89,7 +90,7 @@ TEST_P(SortedPairs, pairs_in_few_buckets_are_sorted) {
 TEST_P(SortedPairs, second_indices_may_start_at_an_offset) {
     for (const std::int32_t seconds : {1 << 18, 1 << 30}) expect_sorted({3000, seconds, 3000, 0, 3000}, 10'000, false);
 }
-TEST_P(SortedPairs, none_and_few_pairs_are_sorted) {
+TEST_P(SortedPairs, lists_of_at_most_two_pairs_are_sorted) {
     for (const std::size_t count : {0U, 1U, 2U}) expect_sorted({3000, 3000, 0, 0, 3000}, count, false);
 }
 

@@ -1,5 +1,5 @@
-// Tests of the balls of moving triangles, for every table of kernels: a ball holds the corners at t0 and t1, and
-// everything within the given distance of them.
+// Tests of the balls of moving triangles, for the kernels of every instruction set: a ball holds the corners at t0 and
+// t1, and everything within the given distance of them.
 
 #include <gtest/gtest.h>
 

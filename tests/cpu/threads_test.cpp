@@ -1,5 +1,5 @@
-// Tests of everything that runs in parallel, on scenes small enough for ThreadSanitizer: results are the same bytes for
-// any number of threads.
+// Tests of searches for intersections on 1 to 16 threads, on scenes small enough for ThreadSanitizer: results are the
+// same bytes for any number of threads.
 
 #include <gtest/gtest.h>
 
@@ -65,7 +65,8 @@ TEST(Threads, two_meshes_give_the_same_bytes_for_any_thread_count) {
     }
 }
 
-// One leaf with so much work that it is split into tiles: needles along the sweep direction, few of which intersect.
+// One leaf with so much work that its sweep is split into tiles, which several threads run: needles along the sweep
+// direction, few of which intersect.
 TEST(Threads, one_large_leaf_gives_the_same_bytes_for_any_thread_count) {
     test::Soup<float> soup;
     std::mt19937 engine(3);

@@ -1,5 +1,5 @@
-// Tests that filters report only collisions as hits and drop only pairs that do not collide: each table of kernels,
-// pair by pair, against rational arithmetic.
+// Tests that filters report only collisions as hits and drop only pairs that do not collide: each table of kernels (one
+// for each instruction set), pair by pair, against rational arithmetic.
 
 #include <gtest/gtest.h>
 

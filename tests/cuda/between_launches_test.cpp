@@ -1,5 +1,6 @@
 // Tests of feature queries while a launch is in flight, after wait(), or captured in a caller's graph: results match
-// those of the cpu backend, and launches work afterwards. Plain CUDA: runs on a device or on one that the CPU emulates.
+// those of the cpu backend, and launches work afterwards. Calls only the CUDA runtime, so that it runs on a device or
+// on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Tests of launches that a caller captures: each replay of the caller's graph runs the query. Plain CUDA: runs on a
-// device or on one that the CPU emulates.
+// Tests of launches that a caller captures: each replay of the caller's graph runs the query. Calls only the CUDA
+// runtime, so that it runs on a device or on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ const DeviceIntersections& replay_until_complete(const Recorder& recorder,
 
 std::string message_of(auto call) { return error_of(call).what(); }
 
-TEST(CudaCapture, each_replay_gives_the_current_result) {
+TEST(CudaCapture, each_complete_replay_gives_the_current_result) {
     for (const int leaf_size : {3000, 60}) {
         for (const bool contacts : {false, true}) {
             SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", contacts " << contacts);

@@ -1,4 +1,5 @@
-// Tests of feature queries about meshes in device memory. Plain CUDA: runs on a device or on one that the CPU emulates.
+// Tests of feature queries about meshes in device memory. Calls only the CUDA runtime, so that it runs on a device or
+// on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -249,7 +250,7 @@ TEST(CudaDeviceFeatures, two_launches_in_flight_match_the_cpu) {
         expect_right(found, i - 1);
         if (i + 1 < on_device.size()) continue;
         expect_right(launched[i].wait(), i);
-        expect_right(found, i - 1);  // valid until the second launch after its own
+        expect_right(found, i - 1);  // a result is valid until the second launch after its own
     }
     EXPECT_GT(impacts, 0);
 }

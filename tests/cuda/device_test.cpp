@@ -1,4 +1,5 @@
-// Tests of meshes and results in device memory. Plain CUDA: runs on a device or on one that the CPU emulates.
+// Tests of meshes and results in device memory. Calls only the CUDA runtime, so that it runs on a device or on one that
+// the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -55,7 +56,7 @@ TEST(CudaDevice, int64_indices_and_strided_triangles_are_read) {
 TEST(CudaDevice, unaligned_arrays_are_read) {
     const io::TriangleMesh mesh = cloth(600, 93);
     for (const bool in_double : {false, true}) {
-        std::vector<std::byte> vertices(1), triangles(1);  // a byte before the first row
+        std::vector<std::byte> vertices(1), triangles(1);  // one byte, so that the first row is unaligned
         const auto append = [](std::vector<std::byte>& bytes, auto value) {
             const auto* begin = reinterpret_cast<const std::byte*>(&value);
             bytes.insert(bytes.end(), begin, begin + sizeof value);
@@ -98,13 +99,13 @@ TEST(CudaDevice, two_meshes_with_groups_and_parts_match_the_cpu) {
             EXPECT_TRUE(same_result(cuda.find(part, contacts), cpu.find(part, contacts)));
 }
 
-TEST(CudaDevice, one_mesh_has_64_clusters_and_two_meshes_have_63) {
+TEST(CudaDevice, one_mesh_can_have_64_clusters_and_two_meshes_63) {
     const io::TriangleMesh mesh = cloth(800);
     const MeshView host = mesh.view();
     const Halves half(host);
     const DeviceMesh whole(host), a(half.a), b(half.b);
     Detector cpu({.backend = Backend::cpu});
-    for (const int leaf_size : {3000, 3}) {  // one level and two
+    for (const int leaf_size : {3000, 3}) {  // one level of clusters, and two
         Detector cuda({.backend = Backend::cuda, .clusters = 64, .leaf_size = leaf_size});
         for (int turn = 0; turn < 2; ++turn) {
             const Intersections& self = cuda.find(whole.view());
@@ -188,11 +189,11 @@ TEST(CudaDevice, errors_name_the_invalid_element) {
 TEST(CudaDevice, earlier_cuda_errors_are_ignored) {
     const io::TriangleMesh mesh = cloth(300);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
-    ASSERT_NE(cudaSetDevice(1000), cudaSuccess);  // and the last error stays set
+    ASSERT_NE(cudaSetDevice(1000), cudaSuccess);  // CUDA keeps this as the last error
     EXPECT_TRUE(same_result(cuda.find(mesh.view()), cpu.find(mesh.view())));
 }
 
-TEST(CudaDevice, every_call_reports_an_invalid_vertex_index) {
+TEST(CudaDevice, find_any_and_partition_report_an_invalid_vertex_index) {
     for (const std::int32_t wrong : {-5, 1'000'000, 2'000'000'000}) {
         io::TriangleMesh mesh = cloth(300);
         mesh.triangles[22] = wrong;

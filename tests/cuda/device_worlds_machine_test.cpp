@@ -24,7 +24,8 @@ class CudaMachineDeviceWorlds : public testing::Test {
         settings() = {};
         settings().multiprocessors = 1;
     }
-    /// Makes 20 worlds of two bodies, which intersect in every third world.
+    /// Makes 20 worlds of two bodies, random soups in the unit cube. In two of three worlds the second body is moved by
+    /// at least half a unit, so that fewer pairs collide, or none.
     void SetUp() override {
         for (int w = 0; w < 20; ++w)
             for (int b = 0; b < 2; ++b) {

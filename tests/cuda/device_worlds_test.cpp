@@ -1,4 +1,5 @@
-// Tests of worlds whose poses are on the device. Plain CUDA: runs on a device or on one that the CPU emulates.
+// Tests of worlds whose poses are on the device. Calls only the CUDA runtime, so that it runs on a device or on one
+// that the CPU emulates.
 
 #include <gtest/gtest.h>
 

@@ -84,7 +84,7 @@ TEST_F(Devices, impacts_and_proximities_match_the_cpu) {
     }
 }
 
-TEST_F(Devices, queries_that_are_not_divided_match_the_cpu) {
+TEST_F(Devices, queries_not_divided_among_devices_match_the_cpu) {
     Detector several(some({1, 0})), one({.backend = Backend::cpu});
     const WholeMesh sheet(wavy_sheet<float>(10)), soup(random_soup<float>(80, 0.3));
     EXPECT_TRUE(same_result(several.find({sheet.view(), soup.view()}), one.find({sheet.view(), soup.view()})));

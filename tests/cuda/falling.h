@@ -7,7 +7,7 @@
 
 namespace crumple::test {
 
-/// Returns a step between two frames of a cloth that falls on a ball.
+/// Returns the step from a frame of a cloth, which falls on a ball, to the next frame, in float32.
 inline MovingSoup<float> falling(int triangles, int frame) {
     MovingSoup<float> soup;
     const io::TriangleMesh from = cloth(triangles, frame), to = cloth(triangles, frame + 1);

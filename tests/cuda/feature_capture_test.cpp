@@ -1,5 +1,5 @@
-// Tests of launches of feature queries in a caller's capture: each replay of the caller's graph is a step. Plain CUDA:
-// runs on a device or on one that the CPU emulates.
+// Tests of launches of feature queries in a caller's capture: each replay of the caller's graph is a step. Calls only
+// the CUDA runtime, so that it runs on a device or on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ auto replay_until_complete(const Recorder& recorder, const LaunchTicket<Query>& 
     }
 }
 
-TEST(CudaFeatureCapture, each_replay_gives_the_current_result) {
+TEST(CudaFeatureCapture, each_complete_replay_gives_the_current_result) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = 150});
     DeviceStep<float> on_device(falling(500, 70));
     Recorder recorder;
@@ -51,7 +51,7 @@ TEST(CudaFeatureCapture, each_replay_gives_the_current_result) {
     EXPECT_GE(complete, 3) << "of 6 frames that look like the ones before";
 }
 
-TEST(CudaFeatureCapture, every_feature_query_can_be_captured) {
+TEST(CudaFeatureCapture, impact_proximity_and_candidate_queries_can_be_captured) {
     const MovingSoup<float> soup = falling(400, 88);
     const DeviceStep<float> on_device(soup);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});

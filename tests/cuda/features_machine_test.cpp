@@ -75,7 +75,7 @@ TEST_F(CudaMachineFeatures, moving_mesh_needs_no_new_graph) {
     EXPECT_EQ(cuda_on_cpu::graph_count().instantiated, graphs);
 }
 
-TEST_F(CudaMachineFeatures, out_of_memory_gives_result_or_device_error) {
+TEST_F(CudaMachineFeatures, failed_allocation_or_launch_gives_result_or_device_error) {
     for (int before = 0; before < 40; before += before < 20 ? 1 : 4) {
         SCOPED_TRACE(before);
         Detector first({.backend = Backend::cuda}), second({.backend = Backend::cuda});

@@ -85,7 +85,7 @@ TEST_F(KnownAnswersOnEmulatedDevice, kernel_that_does_nothing_is_detected) {
 TEST_F(KnownAnswersOnEmulatedDevice, wrong_results_make_the_backend_unavailable) {
     const auto break_exact_decision = [] {
         settings().run_instead = [begin = cuda_on_cpu::work_count().launches](const cuda_on_cpu::Kernel&) {
-            return cuda_on_cpu::work_count().launches - begin > 8;  // earlier launches reserve stacks
+            return cuda_on_cpu::work_count().launches - begin > 8;  // the first eight launches reserve stacks, and run
         };
     };
     break_exact_decision();
@@ -102,7 +102,7 @@ TEST_F(KnownAnswersOnEmulatedDevice, wrong_results_make_the_backend_unavailable)
 }
 
 // Counts which code paths the comparison's cases take when the host computes them.
-TEST_F(KnownAnswersOnEmulatedDevice, cases_cover_every_path_of_the_arithmetic) {
+TEST_F(KnownAnswersOnEmulatedDevice, comparison_cases_cover_every_verdict) {
     const cuda::ComparisonCases cases = cuda::make_comparison_cases(96);
     int collide = 0, apart = 0, undecided_pairs = 0, expanded = 0, shared = 0;
     int rounded = 0, open_contacts = 0;

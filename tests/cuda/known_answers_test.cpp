@@ -1,5 +1,5 @@
-// Test of the comparison of a device with the host (known-answer tests). Plain CUDA: runs on a device or on one that
-// the CPU emulates.
+// Test of the comparison of a device with the host (known-answer tests). Calls only the CUDA runtime, so that it runs
+// on a device or on one that the CPU emulates.
 
 #include <cuda_runtime.h>
 

@@ -1,5 +1,5 @@
-// Tests of launches on the caller's stream, whose results stay on the device. Plain CUDA: runs on a device or on one
-// that the CPU emulates.
+// Tests of launches on the caller's stream, whose results stay on the device. Calls only the CUDA runtime, so that it
+// runs on a device or on one that the CPU emulates.
 
 #include <gtest/gtest.h>
 
@@ -79,7 +79,7 @@ TEST(CudaLaunch, sudden_scene_changes_do_not_affect_results) {
         moved([](std::size_t, auto& p) {
             p = {0.5f, 0.5f, 0.5f};
         }),
-        moved([&](std::size_t, auto& p) { p[1] = inf; }),  // invalid; in half of the cases wait() comes too late
+        moved([&](std::size_t, auto& p) { p[1] = inf; }),  // invalid; in odd frames wait() comes after the next launch
         first.vertices,
         moved([](std::size_t v, auto& p) {  // half of all vertices are close together
             if (v % 2) p = {p[0] / 50, p[1] / 50, p[2] / 50};
@@ -153,7 +153,7 @@ TEST(CudaLaunch, thousands_of_pairs_of_one_triangle_are_sorted) {
     EXPECT_TRUE(same_result(chunked.find(device.view()), expected));
 }
 
-// A search in chunks under a memory limit, with a cluster that has more units of work than a chunk can hold.
+// A search in chunks under a memory limit, with one cluster whose sweep has more units of work than a chunk can hold.
 TEST(CudaLaunch, search_in_chunks_under_a_limit_finds_all_pairs) {
     Soup<float> soup = random_soup(6000, 0.01);
     for (std::size_t v = 0; v < soup.vertices.size(); ++v)
@@ -175,7 +175,7 @@ TEST(CudaLaunch, any_reports_whether_anything_collides) {
     const DeviceMesh one_pair(soup.view()), many(random_soup(1000, 0.5).view());
     for (const std::int64_t limit : {0, 400'000}) {
         for (const int leaf_size : {3000, 200, 10}) {
-            if (limit && leaf_size < 200) continue;  // bins of so many leaves need more memory
+            if (limit && leaf_size < 200) continue;  // the bins of stage `sort` for so many leaves need more memory
             SCOPED_TRACE(testing::Message() << "leaves of " << leaf_size << ", limit " << limit);
             Detector cuda({.backend = Backend::cuda, .memory_limit = limit, .leaf_size = leaf_size});
             for (int repeat = 0; repeat < 2; ++repeat) {
@@ -319,8 +319,8 @@ TEST(CudaLaunch, two_frames_in_flight_match_the_cpu) {
     }
 }
 
-// The wait() of the first launch computes what its pass left undecided, although the second pass has already reused the
-// lists. Both results are right.
+// The wait() of the first launch decides the pairs that its pass (one run of all stages) left undecided, although the
+// second pass has already reused the lists. Both results are right.
 TEST(CudaLaunch, hard_frames_in_flight_match_the_cpu) {
     const std::vector<NamedMesh> scenes = hard_soups();
     const IntersectionQuery query{.output = Output::contacts};
@@ -467,7 +467,7 @@ TEST(CudaLaunch, wait_gives_the_result_after_the_detector_was_moved) {
 }
 
 // Bad input of one launch does not affect the other.
-TEST(CudaLaunch, bad_input_is_reported_for_its_own_frame) {
+TEST(CudaLaunch, bad_input_fails_only_its_own_launch) {
     const Soup<float> good = random_soup(200, 0.2);
     Soup<float> bad = good;
     bad.vertices[17][1] = std::numeric_limits<float>::infinity();

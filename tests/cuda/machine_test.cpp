@@ -138,7 +138,7 @@ TEST_F(CudaMachine, repeated_launches_reuse_graphs) {
 
 // One graph is updated with the addresses of each frame. The arrays of all frames stay allocated, so that no address
 // occurs twice.
-TEST_F(CudaMachine, one_graph_serves_moving_arrays_and_growing_lists) {
+TEST_F(CudaMachine, one_graph_serves_changing_addresses_and_growing_results) {
     constexpr int n = 1500;
     const Soup<float> soups[] = {random_soup(n, 1e-3), random_soup(n, 0.5, 2), random_soup(n, 0.8, 3)};
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -164,7 +164,7 @@ TEST_F(CudaMachine, one_graph_serves_moving_arrays_and_growing_lists) {
     EXPECT_EQ(cuda_on_cpu::graph_count().chain, 14u);
 }
 
-TEST_F(CudaMachine, lists_of_chunks_use_the_available_memory) {
+TEST_F(CudaMachine, chunk_lists_grow_with_the_available_memory) {
     cuda::Plan plan;
     const auto survivors = [&](std::int64_t bytes) {
         plan.choose_chunks(100'000, false, {}, bytes);
@@ -197,7 +197,7 @@ TEST_F(CudaMachine, graphs_have_few_nodes) {
 }
 
 // A caller's graph gets the same nodes as a graph of the library, and needs no allocation.
-TEST_F(CudaMachine, callers_graph_gets_the_same_nodes) {
+TEST_F(CudaMachine, callers_graph_has_the_nodes_of_the_librarys_graph) {
     const DeviceMesh device(scenes::make("soup", {.triangles = 50}).view());
     Detector cuda({.backend = Backend::cuda, .clusters = 3});
     cudaStream_t stream;

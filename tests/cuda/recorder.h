@@ -26,7 +26,7 @@ class Recorder {
     void end() {
         cudaGraph_t graph = nullptr;
         check(cudaStreamEndCapture(stream_, &graph));
-        drop();  // would invalidate the capture if called within it
+        drop();  // only now: destroying the old graph during the capture would invalidate the capture
         check(cudaGraphInstantiate(&executable_, graph, 0));
         check(cudaGraphDestroy(graph));
     }

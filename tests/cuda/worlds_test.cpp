@@ -1,4 +1,4 @@
-// Tests of worlds searched side by side in one pass of the device.
+// Tests of worlds searched side by side: in one pass, which runs all stages over the leaves of all worlds.
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@ namespace {
 
 using Ints = Array<int>;
 
-TEST(Array, swapped_arrays_are_metered_by_their_new_owner) {
+TEST(Array, memory_meter_counts_storage_that_is_swapped_in) {
     MemoryMeter meter;
     Ints mine(&meter), others;
     mine.assign(100, 7);

@@ -53,8 +53,8 @@ std::vector<Case> cases() {
             {"reference", reference(), 1500, 0.3}};
 }
 
-/// Requests a stop once the call has begun; true if it threw. On a busy machine the thread that requests the stop may
-/// come too late, so there are five attempts.
+/// Makes the call, requests a stop once it has begun, and returns true if it threw Error (cancelled). On a busy machine
+/// the thread that requests the stop may come too late, so there are up to five attempts.
 template <class Call>
 bool cancelled(Call call) {
     for (int attempt = 0; attempt < 5; ++attempt) {

@@ -6,8 +6,8 @@
 
 namespace crumple::test {
 
-/// While it lives, a detector polls at each of its checks for a stop request on the caller's thread, not only every 20
-/// ms: so a count of polls does not depend on the speed of the machine.
+/// Guard: as long as it lives, a detector polls at each of its checks for a stop request on the caller's thread, not
+/// only every 20 ms: so a count of polls does not depend on the speed of the machine.
 class EachCheckPolls {
    public:
     EachCheckPolls() { Cancellation::poll_interval = std::chrono::milliseconds(0); }

@@ -49,7 +49,7 @@ Impact rational(FeatureKinds kinds, const std::array<MovingPoint, 4>& p, const M
 }
 
 TEST(FeaturePairs, impacts_match_rational_arithmetic) {
-    constexpr std::size_t pairs = 700;  // more than one task's share
+    constexpr std::size_t pairs = 700;  // more pairs than one task decides
     for (const Kind& kind : all_kinds) {
         for (const PairImpactQuery& query : {PairImpactQuery{}, PairImpactQuery{0.5, 0, 3}, PairImpactQuery{0, 0.25, 3},
                                              PairImpactQuery{0, 0, 3, true}, PairImpactQuery{1.5, 0, 3, true}}) {

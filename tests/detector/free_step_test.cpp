@@ -100,7 +100,7 @@ TEST_P(FreeSteps, bodies_or_worlds_are_held_back_as_a_whole) {
 }
 
 /// Bodies that are in all worlds touch each other, while another body touches earlier or is stuck at the start.
-TEST_P(FreeSteps, bodies_in_all_worlds_are_kept_apart) {
+TEST_P(FreeSteps, bodies_in_all_worlds_are_held_back_before_they_touch) {
     MovingSoup<> soup = falling({8, 4});
     std::vector<Shape> shapes;
     const std::vector<Body> bodies{{0, 0, 0}, {1, 0, 0}, {2, 0, -1}, {3, 0, -1}};

@@ -19,7 +19,9 @@ std::vector<Vec3f> two_blobs() {
     return points;
 }
 
-double objective(const std::vector<Vec3f>& points, const Centres& centres, double t) {  // [MZ] eqs. 2, 3
+/// Returns the sum that fuzzy C-means minimises, by eqs. 2 and 3 of [MZ], the paper that the library follows
+/// (ARCHITECTURE.md). `t`: exponent of the memberships (fuzziness).
+double objective(const std::vector<Vec3f>& points, const Centres& centres, double t) {
     double q = 0;
     for (const Vec3f& p : points) {
         std::vector<double> d2;

@@ -1,5 +1,5 @@
-// Tests of blocks that several threads fill, unit by unit: no row is lost, all blocks but the last are full, the order
-// is that of the units, and no block is delivered after take() has thrown.
+// Tests of blocks of rows that several threads produce in units of work, each unit by one thread: no row is lost, all
+// blocks but the last are full, rows have the order of the units, and no block is delivered after take() has thrown.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// Tests of public parts: independent, self-contained, complete, without duplicate pairs.
+// Tests of the parts that Detector::partition makes of a scene: each can be searched without the scene, and all parts
+// together report each pair of the whole result once.
 
 #include <gtest/gtest.h>
 
@@ -208,7 +209,7 @@ TEST(Part, any_slice_of_triangles_gives_the_same_members) {
         const PartTree tree = centres.tree();
         const std::vector<Part> parts = make_parts(scene, count, serial);
         for (const std::int64_t begin : {0, 123, 499}) {
-            auto alone = soup;  // with another bounding box
+            auto alone = soup;  // has another bounding box than the whole soup
             alone.triangles = {soup.triangles.begin() + begin,
                                soup.triangles.begin() + std::min<std::int64_t>(begin + 50, 500)};
             SceneBuffers own;

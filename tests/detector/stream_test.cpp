@@ -161,7 +161,7 @@ TEST(Stream, pairs_of_one_triangle_may_span_blocks) {
 }
 
 // Copies of degenerate triangles are searched once, and their pairs repeated.
-TEST(Stream, pairs_of_duplicate_degenerates_are_repeated) {
+TEST(Stream, copies_of_degenerate_triangles_each_have_their_pairs) {
     Soup<float> soup = test::random_soup(60, 0.8);
     for (const int where : {0, 20, 40}) {
         std::vector<std::array<std::int32_t, 3>> copies;

@@ -268,7 +268,7 @@ TEST(RankErrors, stop_on_one_rank_ends_the_call_on_all) {
     }
 }
 
-TEST(RankErrors, foreign_exception_is_rethrown_on_its_own_rank) {
+TEST(RankErrors, unrelated_exception_is_rethrown_on_the_rank_that_threw_it) {
     const WholeMesh mesh(wavy_sheet<float>(8));
     std::vector<std::string> seen(ranks);
     run_ranks(ranks, [&](Transport& transport) {

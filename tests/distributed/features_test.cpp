@@ -156,7 +156,7 @@ TEST(RankFeatures, queries_may_alternate_while_the_scene_moves) {
     EXPECT_GE(moved, 1);
 }
 
-TEST(RankFeatures, vertex_that_a_rank_lists_twice_is_owned_once) {
+TEST(RankFeatures, vertex_that_a_rank_lists_twice_gives_each_pair_once) {
     Soup<float> soup;
     soup.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 1}, {1, 1, 1}, {0, 2, 1}};
     soup.triangles = {{0, 0, 1}, {2, 3, 4}};

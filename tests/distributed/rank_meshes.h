@@ -29,8 +29,8 @@ inline constexpr std::array every_distribution{Distribution::blocks, Distributio
                                                Distribution::all_on_one};
 
 struct WholeMesh {
-    std::variant<std::vector<float>, std::vector<double>> vertices;  ///< 3 per vertex
-    std::vector<std::int32_t> corners, groups;                       ///< 3 per triangle; 1 per triangle, or empty
+    std::variant<std::vector<float>, std::vector<double>> vertices;  ///< three coordinates per vertex
+    std::vector<std::int32_t> corners, groups;  ///< three vertex ids, and a group, per triangle; no groups: empty
 
     WholeMesh() = default;
     template <class Scalar>

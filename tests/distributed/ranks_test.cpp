@@ -274,7 +274,7 @@ TEST(Ranks, progress_shows_each_phase_and_part_once) {
     RankFailures verdicts;
     run_ranks(ranks, [&](Transport& transport) {
         const MeshPiece piece(mesh, Distribution::round_robin, transport.rank(), ranks);
-        RankDetector detector(transport, one_thread(9, 1024));  // small batches: members and capacities alternate
+        RankDetector detector(transport, one_thread(9, 1024));  // batches so small that phases alternate
         std::vector<DistributedProgress> seen;
         detector.set_progress([&](const DistributedProgress& progress) { seen.push_back(progress); });
         for (int frame = 0; frame < 2; ++frame) {

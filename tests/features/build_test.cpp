@@ -1,4 +1,5 @@
-// Tests that every table of kernels builds the records and boxes of the scalar table, up to rounding.
+// Tests that every table of kernels (one for each instruction set) builds the records and boxes of the scalar table, up
+// to rounding.
 
 #include <gtest/gtest.h>
 

@@ -40,7 +40,7 @@ void expect_same_hits(Detector& detector, Detector& brute, const World& world, Q
     ASSERT_EQ(detector.any(world, query), brute.any(world, query));
 }
 
-TEST(ClearWorlds, hits_of_clear_and_other_worlds_match_brute_force) {
+TEST(ClearWorlds, hit_flags_match_brute_force_though_clear_worlds_are_skipped) {
     Detector detector({.backend = Backend::cpu}), brute({.backend = Backend::reference});
     std::size_t hits = 0, clear = 0;
     for (unsigned seed = 0; seed < 8; ++seed) {

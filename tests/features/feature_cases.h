@@ -102,7 +102,7 @@ class RandomCases {
         return c;
     }
 
-    /// Limits coordinates to at most 1, and rounds them to float32 if the rows are float32.
+    /// Limits coordinates to [-1, 1], and rounds them to float32 if the rows are float32.
     Vec3d number(Vec3d p) {
         for (int axis = 0; axis < 3; ++axis) {
             volatile float rounded = static_cast<float>(p[axis]);

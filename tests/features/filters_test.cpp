@@ -1,5 +1,5 @@
-// Tests of the filters of pairs of features, for every table of kernels: they reject only pairs that are apart, and
-// most of these.
+// Tests of the filters of pairs of features, for every table of kernels (one for each instruction set): they reject
+// only pairs whose distance is always above the minimum distance, and most of these.
 
 #include <gtest/gtest.h>
 
@@ -255,7 +255,7 @@ TEST(FeatureFilterRejection, features_never_in_one_plane_are_rejected) {
 
 // At one end of the step the vertex is above the centre of the face, and the direction between their centres separates
 // them. At the other end the direction between their centres does not.
-TEST(FeatureFilterRejection, features_separated_by_a_start_or_end_direction_are_rejected) {
+TEST(FeatureFilterRejection, features_separated_by_the_line_of_their_centres_are_rejected) {
     const Vec3d n = normal();
     FeatureCase c = stacked(FeatureKind::vertex_face, 0.02);
     c.moments = 2;
@@ -283,7 +283,7 @@ FeatureCase beside_an_edge(FeatureKind kind, std::size_t edge) {
     return c;
 }
 
-TEST(FeatureFilterRejection, features_beside_an_edge_are_rejected) {
+TEST(FeatureFilterRejection, features_separated_across_an_edge_of_one_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
             FeatureCase c = beside_an_edge(kind, edge);
@@ -298,7 +298,7 @@ TEST(FeatureFilterRejection, features_beside_an_edge_are_rejected) {
 
 // During the step the features are scaled in their plane and moved along its normal. The direction across the edge
 // separates them at both ends.
-TEST(FeatureFilterRejection, moving_features_beside_an_edge_are_rejected) {
+TEST(FeatureFilterRejection, moving_features_separated_across_an_edge_of_one_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
             FeatureCase c = beside_an_edge(kind, edge);

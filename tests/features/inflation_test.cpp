@@ -101,7 +101,7 @@ TEST_P(InflatedTriangles, near_triangles_have_overlapping_balls_and_boxes) {
     EXPECT_GT(near, 100);
 }
 
-TEST(Inflation, inflation_is_half_of_the_distance_rounded_up) {
+TEST(Inflation, inflation_is_half_of_the_distance_rounded_up_but_at_most_4) {
     for (const double distance : {1e-300, 1e-38, 1e-7, 0.3, 1.0, 3.4}) {
         const Inflation inflation = inflation_of({distance, 0});
         EXPECT_GE(2 * static_cast<double>(inflation.half), distance);
@@ -110,7 +110,7 @@ TEST(Inflation, inflation_is_half_of_the_distance_rounded_up) {
         EXPECT_LE(2 * static_cast<double>(inflation(1)), distance * 1.00001 + 4e-30);
     }
     EXPECT_LE(inflation_of({1e308, 0})(1), 4);
-    EXPECT_GE(2 * inflation_of({1e308, 0})(1), 3.5f);  // no two points are further apart
+    EXPECT_GE(2 * inflation_of({1e308, 0})(1), 3.5f);  // normalised points are at most 3.47 apart
     EXPECT_TRUE(inflation_of({0, 0}).none());
 }
 
@@ -164,7 +164,7 @@ TEST_P(InflatedTriangles, near_triangles_with_radii_have_overlapping_balls_and_b
                 const TriangleCase c = random(kind, 1);
                 RandomCases& features = random.features();
                 const double part[] = {0, 0x1p-30, 0.25, 0.5, 1};
-                const double first = part[features.below(5)] * c.separation.distance;  // exact, and so is the remainder
+                const double first = part[features.below(5)] * c.separation.distance;  // exact, and so is `second`
                 const double second = c.separation.distance - first;
                 const RadiiOfTwo radii({first, 0, first / 2, second, second, 0});
                 const Ball a = ball_of(c, 0, radii.inflation.of(0)), b = ball_of(c, 3, radii.inflation.of(1));

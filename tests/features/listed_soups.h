@@ -50,7 +50,8 @@ inline std::vector<std::int32_t> some_points(Draw& draw, const MovingSoup<>& sou
     return list;
 }
 
-/// Returns the soup with some triangles removed, and with codimensional edges and points of many kinds.
+/// Returns the soup with none, a third or two thirds of its triangles and, for most seeds, with codimensional edges and
+/// points of many kinds.
 template <class Scalar>
 MovingSoup<Scalar> with_lists(const MovingSoup<Scalar>& from, unsigned seed) {
     Draw draw(seed);

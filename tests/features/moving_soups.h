@@ -132,8 +132,8 @@ inline MovingSoup<> moving_through_a_line(int vertices, int triangles, unsigned 
     connect(draw, triangles, soup);
     return soup;
 }
-/// Vertices that stay, move along one axis, or all move by the same vector: contact at the start, at the end,
-/// throughout.
+/// Vertices on a grid, half of which stay; the others move along z or by (1, -1, 0). Triangles touch at the start, at
+/// the end, or throughout.
 inline MovingSoup<> mostly_static(int width, int vertices, int triangles, unsigned seed) {
     Draw draw(seed);
     MovingSoup<> soup;
@@ -179,7 +179,7 @@ inline MovingSoup<> moving_sheets(int n, const std::vector<std::array<double, 2>
     }
     return soup;
 }
-/// Long thin triangles, far apart except where they cross.
+/// Triangles 8,192 units long and 2^-10 units wide, along the axes, which pass each other within a few units.
 inline MovingSoup<> needles(int triangles, unsigned seed) {
     Draw draw(seed);
     MovingSoup<> soup;
@@ -218,7 +218,8 @@ inline MovingSoup<> giant_under_many(int small, unsigned seed, double size = 100
     }
     return soup;
 }
-/// Random coordinates in general position: triangles of about `size` in the unit cube that move by about `way`.
+/// Random coordinates in general position: triangles of about `size` in the unit cube, whose vertices move by at most
+/// way / 2 along each axis.
 inline MovingSoup<> in_general(int triangles, double size, double way, unsigned seed) {
     Draw draw(seed);
     const Soup<double> at_start = random_soup<double>(triangles, size, seed);
@@ -227,7 +228,7 @@ inline MovingSoup<> in_general(int triangles, double size, double way, unsigned 
         for (double& x : p) x += way * (draw.number() - 0.5);
     return soup;
 }
-/// Some vertices stay near each other, while others move much further than the triangles are large.
+/// Two thirds of the vertices stay near each other; the others move up to `far` times as far along one axis.
 inline MovingSoup<> far_travellers(int vertices, int triangles, double far, unsigned seed) {
     MovingSoup<> soup = moving_grid(4, vertices, triangles, seed);
     Draw draw(seed + 1);

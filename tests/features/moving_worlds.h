@@ -9,7 +9,7 @@
 
 namespace crumple::test {
 
-/// Random bodies whose shapes and poses move.
+/// Random bodies. Most shapes have positions at the end of the step, and most worlds have poses at the end.
 struct MovingWorld {
     std::unique_ptr<RandomWorld> world;
     std::vector<std::vector<std::array<float, 3>>> float_ends;

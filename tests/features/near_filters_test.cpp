@@ -145,7 +145,7 @@ TEST_P(NearFilters, rings_leave_out_features_few_edges_away) {
         << "unless vertices at equal positions are one";
 }
 
-TEST_P(NearFilters, least_distances_ignore_filters_and_index_follows_the_list) {
+TEST_P(NearFilters, least_distances_ignore_rings_and_rest_shape_but_index_does_not) {
     const MovingSoup<> soup = strip(4);
     const Proximities all = detector.find(
         soup.view(), ProximityQuery{.radius = 10, .closest = true, .least = true, .rings = 1, .index = true});
@@ -354,7 +354,7 @@ TEST_P(NearFilters, rings_follow_codimensional_edges) {
 }
 
 /// One radius for all pairs equals half of it for each vertex.
-TYPED_TEST(NearFilterAgreement, equal_radii_act_like_one_radius) {
+TYPED_TEST(NearFilterAgreement, equal_radii_act_like_one_radius_of_twice_their_size) {
     for_each_small_soup<TypeParam>(300, [&](const auto& move, unsigned) {
         const double radius = 0.25 * move.unit;
         const std::vector<double> radii(move.soup.start.size(), radius);
@@ -366,7 +366,7 @@ TYPED_TEST(NearFilterAgreement, equal_radii_act_like_one_radius) {
     });
 }
 
-/// The contract applied literally to a list of all pairs within a radius larger than the scene.
+/// The contract of radii, rings and rest shape, applied literally to one pair of features at a time.
 struct LiteralContract {
     const MovingSoup<>& soup;
     const ProximityQuery& query;

@@ -160,7 +160,7 @@ TYPED_TEST(PartsOfFeatures, parts_have_all_pairs_of_codimensional_features) {
     });
 }
 
-TYPED_TEST(PartsOfFeatures, parts_contain_radii_and_a_rest_shape) {
+TYPED_TEST(PartsOfFeatures, parts_apply_radii_and_a_rest_shape) {
     const auto soup = rounded<TypeParam>(moving_grid(5, 60, 70, 3));
     std::vector<double> radii;
     for (std::size_t v = 0; v < soup.start.size(); ++v) radii.push_back(0.1 * static_cast<double>(v % 7));

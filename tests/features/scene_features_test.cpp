@@ -62,7 +62,7 @@ TEST(SceneFeatures, features_match_a_plain_listing) {
     SceneFeatures features(&meter);
     Backwards workers;
     std::vector<NamedMove<double>> soups = moving_soups<double>();
-    soups.push_back({"many", moving_grid(4, 5000, 9000, 30)});  // more than a chunk of vertices
+    soups.push_back({"many", moving_grid(4, 5000, 9000, 30)});  // too many vertices for one task (a chunk)
     soups.push_back({"one fan", {}});
     for (std::int32_t i = 0; i < 6000; ++i) soups.back().soup.vertex({}, {});
     for (std::int32_t i = 2; i < 6000; ++i) soups.back().soup.triangles.push_back({i, 0, i - 1});
@@ -141,7 +141,7 @@ TEST(SweptBalls, balls_hold_their_triangles_throughout_the_step) {
             for (const Vec3f& p : {start[k], end[k]}) {
                 const Rational beyond = Rational(ball.r) - Rational(inflation.half);
                 const Rational share(inflation.path_share);
-                const bool capped = ball.r >= 4;  // holds everything
+                const bool capped = ball.r >= 4;  // so large a ball holds the whole scene
                 // |p - c| + share * way <= beyond, without roots: compare squares twice.
                 const Rational d2 = squared(value(p) - centre), w2 = share * share * longest;
                 const Rational remainder = beyond * beyond - d2 - w2;

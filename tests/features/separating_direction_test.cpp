@@ -1,5 +1,6 @@
-// Tests of the filter that drops pairs of triangles which a direction separates, for every table of kernels: dropped
-// pairs have no near features, and most pairs without near features are dropped.
+// Tests of the filter that drops pairs of triangles which a direction separates, for every table of kernels (one for
+// each instruction set): dropped pairs have no near features, and most pairs without near features are dropped. A
+// triangle is "big" if its coordinates exceed a limit of the leaf (LeafFrame::big).
 
 #include <gtest/gtest.h>
 

@@ -21,7 +21,7 @@ std::vector<NamedMove<Scalar>> soups_to_try(double part, double if_sanitized) {
     return all;
 }
 
-/// Names of tests that are typed by the precision.
+/// Names of the instances of typed tests, whose type parameter is the scalar type: "float32" or "float64".
 class PrecisionNames {
    public:
     template <class Scalar>

@@ -144,7 +144,7 @@ class Tangle {
     SceneBuffers buffers_;
 };
 
-TEST(FeatureTestLists, each_pair_without_a_common_vertex_is_listed_once) {
+TEST(FeatureTestLists, each_feature_pair_without_a_common_vertex_is_listed_once) {
     std::size_t faces = 0, edges = 0;
     for (unsigned seed = 1; seed <= 40; ++seed)
         for (const bool weld : {false, true}) {

@@ -89,11 +89,12 @@ class RandomTriangles {
 
 inline constexpr float most = std::numeric_limits<float>::max();
 
-/// Returns a frame along the coordinate axes.
+/// Returns a frame along the coordinate axes. Triangles with coordinates beyond `big`, relative to `origin`, are big
+/// members of the leaf.
 constexpr LeafFrame around(Vec3f origin, float big = most) { return {origin, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, big}; }
 
-/// A leaf with the two triangles of a case: records and boxes, made by the kernels of a table, and the decision of
-/// these kernels whether a direction separates the triangles.
+/// A leaf with the two triangles of a case: records and boxes, made by the kernels of a table (those of one instruction
+/// set), and the decision of these kernels whether a direction separates the triangles.
 template <int moments>
 class LeafOfTwo {
    public:

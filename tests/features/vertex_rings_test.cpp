@@ -65,7 +65,7 @@ class RingsOfVertices : public testing::Test {
 
 TEST_F(RingsOfVertices, rings_match_a_walk_along_edges) {
     std::vector<NamedMove<double>> soups = moving_soups<double>();
-    soups.push_back({"many", moving_grid(4, 5000, 1500, 30)});  // more than a chunk
+    soups.push_back({"many", moving_grid(4, 5000, 1500, 30)});  // too many vertices for one task (a chunk)
     for (const NamedMove<double>& move : soups)
         for (const std::int32_t count : {1, 2, 3, 6, 1})
             for (const bool weld : {false, true}) {

@@ -43,7 +43,8 @@ inline std::string archive_of(const ArchivedFiles& files) {
     };
     using Word = std::uint32_t;
     using Half = std::uint16_t;
-    const auto describe = [&](std::string_view name, std::string_view bytes) {  // version, flags, stored, time, date
+    const auto describe = [&](std::string_view name,
+                              std::string_view bytes) {  // version, flags, method, time, date, ...
         const auto size = static_cast<Word>(bytes.size());
         put(Half{20}, Half{0}, Half{0}, Half{0}, Half{33}, checksum(bytes), size, size, static_cast<Half>(name.size()),
             Half{0});

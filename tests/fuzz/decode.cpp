@@ -261,7 +261,7 @@ Search::Search(Bytes bytes) {
     const std::uint32_t share = bytes.checksum();
     if (share / 32 % 8 == 0) block_rows = 1 + share / 256 % 40;
     if (extras & 1) parts = 1 + bytes.next() % 64 / (share % 16 == 0 ? 1 : 16);
-    if (extras & 4 && share % 16 == 1) parts *= 17;  // more than fit in one level
+    if (extras & 4 && share % 16 == 1) parts *= 17;  // may exceed the 64 parts of one level
     if ((extras & 24) == 24) {
         const std::int64_t limit = bytes.next() * (extras & 32 ? 16 : 256);
         if (share / 16 % 2) memory_limit = limit;

@@ -14,7 +14,7 @@ namespace {
 
 using io::PairFormat;
 
-constexpr std::int32_t most_bodies = 100;  // a result has an offset for each
+constexpr std::int32_t most_bodies = 100;  // the result has an offset for each body
 
 constexpr std::pair<PairFormat, const char*> formats[] = {{PairFormat::txt, "again.txt"},
                                                           {PairFormat::csv, "again.csv"},

@@ -28,7 +28,7 @@ struct Motion {
     Mesh mesh;
     Mesh end;
     std::vector<Pose> poses, end_poses;
-    bool shared = false;  ///< the second body is in all worlds
+    bool shared = false;  ///< true: the second body is in all worlds
 
     explicit Motion(Bytes bytes) {
         options = fuzz::options(bytes);

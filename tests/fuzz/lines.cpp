@@ -1,5 +1,5 @@
-// Custom mutator: a quarter of the mutations replace, delete or insert lines and numbers of text; the others are those
-// of libFuzzer.
+// Custom mutator: a quarter of the mutations replace, delete or insert a line or a word of the text; a number at a
+// limit of the readers may replace a word. The other mutations are those of libFuzzer.
 
 #include <algorithm>
 #include <cstddef>

@@ -216,7 +216,7 @@ void check_pairs(std::string_view file, const Kind& kind) {
 }
 
 void check_world(std::string_view file, const Kind& kind, io::ReadOptions options) {
-    options.group_property.clear();  // glTF has none
+    options.group_property.clear();  // glTF has no such properties
     const auto world = watched(file, kind, false, [&] { return read_world(file, kind.name, options); });
     if (!world) return;
     require_sound(*world);

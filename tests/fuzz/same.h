@@ -1,6 +1,7 @@
 #pragma once
 
-// Compares the outcomes of one query by two backends byte by byte: results by `same` of the target, errors here.
+// Compares the outcomes of one query by two backends byte by byte. The fuzz target provides the function `same`, which
+// compares results; errors are compared in this file.
 
 #include <cstring>
 #include <string>

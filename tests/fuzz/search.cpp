@@ -144,7 +144,8 @@ class Judge {
         const Contacts &theirs = whole.contacts, &ours = found.contacts;
         for (std::size_t i = 0; i < ours.kinds.size(); ++i) {
             const auto w = std::ranges::lower_bound(whole.pairs, found.pairs[i]) - whole.pairs.begin();
-            if (w == static_cast<std::ptrdiff_t>(whole.pairs.size())) continue;  // reported by the caller
+            if (w == static_cast<std::ptrdiff_t>(whole.pairs.size()))
+                continue;  // the caller reports such an extra pair
             const std::int64_t begin = ours.offsets[i], count = ours.offsets[i + 1] - begin;
             const auto bytes = static_cast<std::size_t>(count) * sizeof ours.points[0];
             require(ours.kinds[i] == theirs.kinds[w] && count == theirs.offsets[w + 1] - theirs.offsets[w] &&

@@ -1,7 +1,7 @@
 #pragma once
 
 // Guard that sets a floating-point mode that a caller of the library may have set. `turn` modulo 4 selects the rounding
-// mode; its bit 4 adds flush-to-zero. The destructor restores the previous mode.
+// mode; if turn & 4 is not 0, subnormal numbers are flushed to zero, too. The destructor restores the previous mode.
 
 #include <array>
 #include <cfenv>

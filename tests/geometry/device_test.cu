@@ -1,5 +1,5 @@
-// Runs decisions, contacts, filters and parts as device code, on a device or on the CPU, and compares them with the
-// host.
+// Runs decisions, contacts, filters and the assignment of triangles to parts as device code, on a device or on the CPU,
+// and compares them with the host.
 
 #include <cstring>
 

@@ -21,7 +21,7 @@ TEST(DoubleWord, operations_stay_within_their_error_bounds) {
     for (int i = 0; i < scaled_rounds(20'000); ++i) {
         DoubleWord x = two_sum(number(engine), number(engine) * 0x1p-53);
         DoubleWord y = two_sum(number(engine), number(engine) * 0x1p-53);
-        if (i % 4 == 0) y = two_sum(-x.high, number(engine) * 0x1p-54);  // cancels
+        if (i % 4 == 0) y = two_sum(-x.high, number(engine) * 0x1p-54);  // their sum nearly cancels
         expect_near(x + y, value(x) + value(y), 0x1p-103, "sum");
         expect_near(x - y, value(x) - value(y), 0x1p-103, "difference");
         expect_near(x * y, value(x) * value(y), 0x1p-103, "product");

@@ -31,10 +31,11 @@ TEST(ApproachingOnly, leaves_out_features_that_do_not_approach) {
     EXPECT_EQ(to_face({1, 1, 1}, {2, 1, 1}), none);
     EXPECT_EQ(to_face({1, 1, 1}, {9, 1, 1}), none);
     EXPECT_EQ(to_face({1, 1, 2}, {1, 1, 3}), none);
-    EXPECT_EQ(vertex_vertex(still(0, 0, 0), {{1, 0, 0}, {1, 9, 0}}, within_two), none);  // starts at a right angle
+    EXPECT_EQ(vertex_vertex(still(0, 0, 0), {{1, 0, 0}, {1, 9, 0}}, within_two),
+              none);  // starts at a right angle to the direction of the other vertex
 }
 
-TEST(ApproachingOnly, finds_features_that_approach_at_once) {
+TEST(ApproachingOnly, finds_features_that_approach_from_the_start_on) {
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, 0.5}), at_once);
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, std::nextafter(1., 0.)}), at_once);
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, -9}), at_once);

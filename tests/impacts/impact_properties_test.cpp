@@ -114,7 +114,7 @@ TEST(Impact, half_of_the_move_doubles_the_time_of_impact) {
         if (impact.meets && impact.toi < 0.5) {
             ASSERT_EQ(first, (Impact{true, 2 * impact.toi, impact.start})) << move;
         } else if (first.meets) {
-            ASSERT_EQ(first.toi, 1) << move;  // at one half exactly
+            ASSERT_EQ(first.toi, 1) << move;  // the whole move has its impact at 1/2
             ASSERT_EQ(impact.toi, 0.5) << move;
         }
     });

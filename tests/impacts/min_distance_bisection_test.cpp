@@ -35,7 +35,7 @@ Fraction squared(double x) {
 struct Sample {
     std::vector<Point> points;
     std::size_t first;
-    Integer denominator;  ///< of the coordinates
+    Integer denominator;  ///< coordinates are those of `points` divided by this
 
     /// Calls look(direction), until it returns true, for all directions in which the closest points of two sets may lie
     /// from one another: between two vertices, from a vertex across to a line, and normal to a plane.

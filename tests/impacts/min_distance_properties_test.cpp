@@ -140,7 +140,7 @@ TEST(MinDistance, half_of_the_move_doubles_the_time_of_impact) {
         if (impact.meets && impact.toi < 0.5) {
             ASSERT_EQ(first, (Impact{true, 2 * impact.toi, impact.start})) << query;
         } else if (first.meets) {
-            ASSERT_EQ(first.toi, 1) << query;  // at one half exactly
+            ASSERT_EQ(first.toi, 1) << query;  // the whole move has its impact at 1/2
             ASSERT_EQ(impact.toi, 0.5) << query;
         }
     });

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 /// A pair of features that are near each other at the start.
 struct NearMove {
     Move move;
-    double squared_distance;  ///< rounded
+    double squared_distance;  ///< at the start, rounded to float64
 };
 
 /// Returns one of `every` lines of a file, or nothing without the data.

@@ -38,7 +38,7 @@ TEST(Polynomial, operations_give_exact_coefficients) {
     EXPECT_EQ(p.primitive().coefficients(), (std::vector<Integer>{-2, 11, -15}));
     EXPECT_EQ(p.sign_at({1, 0}), -1);
     EXPECT_EQ(p.sign_at({3, 3}), 1);
-    // 64 p((3 + u) / 8)
+    // zoomed({3, 3}) is 64 p((3 + u) / 8), a polynomial in u from 0 to 1: p over the interval from 3/8 to 4/8.
     EXPECT_EQ(p.zoomed({3, 3}).coefficients(), (std::vector<Integer>{7, -14, -105}));
 }
 

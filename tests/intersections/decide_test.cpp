@@ -89,7 +89,7 @@ TEST_P(DecisionOfEachKind, filters_alone_are_right_or_undecided) {
         }
     }
     if (GetParam() == Kind::random || GetParam() == Kind::random_float) {
-        EXPECT_LT(undecided, rounds() / 3) << "of " << 2 * rounds();  // about the ties among them
+        EXPECT_LT(undecided, rounds() / 3) << "of " << 2 * rounds();  // about the share of pairs with ties
     }
 }
 

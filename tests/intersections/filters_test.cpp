@@ -68,7 +68,7 @@ bool expected(const TrianglePair& pair, const NarrowPolicy& policy) {
 struct Case {
     Kind kind;
     bool float32;      ///< the kind's coordinates are float32 numbers, and filtered as such
-    double undecided;  ///< highest share of undecided pairs
+    double undecided;  ///< highest share of pairs that the filters may leave undecided
 };
 
 class Filters : public testing::TestWithParam<Case> {
@@ -186,7 +186,7 @@ TEST(FiltersAtTheirEdge, float64_sides_of_planes_are_right) {
     EXPECT_GT(certain, rounds / 16);
 }
 
-TEST(EdgeOrder, puts_lone_corners_first_and_flips_planes) {
+TEST(EdgeOrder, puts_lone_corners_first_and_orients_the_others) {
     for (int below_a = 1; below_a < 7; ++below_a) {
         for (int below_b = 1; below_b < 7; ++below_b) {
             const int order = edge_order(below_a, below_b);

@@ -13,7 +13,7 @@ struct NamedPair {
     TrianglePair pair;
     bool collides, proper;
     int shared;
-    std::vector<Vec3d> points;  ///< extreme points in order
+    std::vector<Vec3d> points;  ///< extreme points of the intersection, in the order of the contract
 };
 
 inline NamedPair named(const char* claim, const TrianglePair& pair, bool collides, bool proper, int shared,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Handmade result of three pairs, with one contact of each kind.
+// Handmade result of three pairs and, on request, their contacts: one of each kind.
 
 #include <cstdint>
 #include <vector>

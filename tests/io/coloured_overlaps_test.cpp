@@ -172,7 +172,7 @@ TEST(ColouredOverlaps, html_holds_curves_and_opaque_triangles_first) {
     EXPECT_TRUE(contains(page, "\"opaque\": " + std::to_string(opaque) + ", \"opacity\": 0.2}"));
 }
 
-TEST(ColouredOverlaps, unsuitable_worlds_formats_and_results_are_refused) {
+TEST(ColouredOverlaps, unsuitable_formats_and_results_are_refused) {
     const Folder folder;
     OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
     const auto refused = [&](const std::string& name) {

@@ -9,7 +9,7 @@ namespace {
 
 struct Scene {
     const char* path;
-    std::int64_t vertices, triangles;  ///< vertices 0: not stated
+    std::int64_t vertices, triangles;  ///< numbers in the README; vertices 0: not stated there
     ScalarType precision;
 };
 
@@ -43,7 +43,7 @@ TEST_F(Data, scenes_have_the_stated_sizes) {
     }
 }
 
-TEST_F(Data, every_mesh_keeps_its_bits_when_written_as_ply) {
+TEST_F(Data, real_meshes_keep_their_bits_when_written_as_ply) {
     const Folder output;
     int read = 0;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(*folder)) {
@@ -59,7 +59,7 @@ TEST_F(Data, every_mesh_keeps_its_bits_when_written_as_ply) {
     EXPECT_GE(read, 30);
 }
 
-TEST_F(Data, exact_results_are_read_as_pairs) {
+TEST_F(Data, ground_truth_lists_of_pairs_are_read) {
     const std::vector<Pair> pairs = read_pairs(*folder / "gt/cloth_ball92.txt");
     EXPECT_EQ(pairs.size(), 63'602u);
     EXPECT_TRUE(std::is_sorted(pairs.begin(), pairs.end()));

@@ -80,7 +80,7 @@ TEST(Ply, polygons_are_fanned_from_their_first_corner) {
               (std::vector<std::int32_t>{3, 4, 0, 3, 0, 1, 3, 1, 2}));
 }
 
-TEST(Ply, groups_of_every_integer_type_are_read) {
+TEST(Ply, groups_of_integer_properties_are_read) {
     for (const char* const type : {"char", "uchar", "short", "ushort", "int", "uint", "int64"}) {
         const std::string header =
             three_vertices + "element face 2\nproperty " + type + " object\nproperty list uchar int vertex_indices\n";

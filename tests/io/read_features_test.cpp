@@ -286,7 +286,7 @@ TEST(FeatureReading, any_bytes_are_a_list_or_an_error) {
     }
 }
 
-TEST(FeatureReading, lists_of_exact_results_are_read) {
+TEST(FeatureReading, ground_truth_lists_of_impacts_and_near_pairs_are_read) {
     const auto data = data_folder();
     if (!data || !fs::exists(*data / "gt-motion")) GTEST_SKIP() << "no exact lists";
     const FeatureList list = read_impacts(*data / "gt-motion/motion_cloth-funnel_227_228.txt");

@@ -13,7 +13,7 @@
 namespace crumple::io::test {
 namespace {
 
-TEST(MeshReading, every_format_gives_the_same_mesh) {
+TEST(MeshReading, ply_stl_obj_and_off_give_the_same_mesh) {
     for (const Sample& sample : samples()) {
         SCOPED_TRACE(sample.name);
         expect_same(read_bytes(sample.bytes, sample.name, {.precision = Precision::float64}), sample_mesh());

@@ -10,7 +10,7 @@
 namespace crumple::io::test {
 
 struct Sample {
-    std::string name;  ///< with the extension
+    std::string name;  ///< file name, whose extension is that of the format
     std::string bytes;
 };
 

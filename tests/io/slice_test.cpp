@@ -35,7 +35,7 @@ constexpr std::int64_t vertex_count = 11, face_count = 7;
 
 /// Mistake in an otherwise sound file.
 struct Spoiled {
-    std::int64_t vertex = -1, face = -1;  ///< row of the mistake; -1: none
+    std::int64_t vertex = -1, face = -1;  ///< index of the vertex or face with a mistake; -1: none
     std::uint8_t corners = 3;
     std::int64_t index = 0;
     float x = 0;

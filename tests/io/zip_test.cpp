@@ -30,7 +30,7 @@ struct Archive {
     unsigned large = 0;
     bool deflated = true;
     std::string before = "", after = "";
-    std::uint16_t flags = 0, method = 0;  ///< combined with the usual flags; replaces the method if not 0
+    std::uint16_t flags = 0, method = 0;  ///< added to the usual flags; used instead of the usual method, if not 0
 
     std::string bytes(const std::vector<std::pair<std::string, std::string>>& entries) const {
         std::string text, list;

@@ -1,4 +1,5 @@
-// Tests of closed and open surfaces, and of the order of vertices in which winding numbers change in few steps.
+// Tests of closed and open surfaces, and of the order of a surface's vertices, in which the winding numbers of another
+// surface change in few steps.
 
 #include "scene/closed_surface.h"
 

@@ -98,7 +98,7 @@ TEST_P(CrossingOfEachKind, exchanged_faces_cross_alike) {
 
 INSTANTIATE_TEST_SUITE_P(All, CrossingOfEachKind, testing::ValuesIn(all_kinds));
 
-TEST(Crossing, weights_measure_the_corner_that_is_cut_off) {
+TEST(Crossing, weights_are_integrals_over_the_corner_that_is_cut_off) {
     // The plane x = 1/2 with its outside towards larger x cuts the corner (1, 0, 0) off: inside is what has x < 1/2.
     const CrossedFace a({Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}),
         b({Vec3d{0.5, -4, -4}, {0.5, 4, -4}, {0.5, 0, 8}});

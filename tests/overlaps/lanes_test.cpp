@@ -1,4 +1,5 @@
-// Compares sums in lanes with rational arithmetic: the error bounds of each kernel must hold.
+// Compares the sums that the kernels of each instruction set compute in SIMD lanes with rational arithmetic: the error
+// bounds of each kernel must hold.
 
 #include <gtest/gtest.h>
 

@@ -204,7 +204,7 @@ TEST_P(OverlapProperties, subdivided_faces_change_nothing) {
     });
 }
 
-TEST_P(OverlapProperties, separate_parts_add_up) {
+TEST_P(OverlapProperties, overlaps_of_separate_parts_add_up) {
     for_pairs(20, [](const Soup& a, const Soup& b) {
         const Soup away = changed(b, [](auto& p) { p[0] += 64; });
         const Soup both = joined(a, changed(a, [](auto& p) { p[0] += 64; }));
@@ -233,7 +233,7 @@ CurveSums curves_of(const Soup& a, const Soup& b) {
     return sums;
 }
 
-TEST_P(OverlapProperties, curves_of_both_orders_add_up_to_twice_the_area_vector) {
+TEST_P(OverlapProperties, curves_of_exchanged_bodies_differ_by_twice_the_area_vector) {
     for_pairs(60, [](const Soup& a, const Soup& b) {
         const Row row = overlap_of(a, b);
         const CurveSums one = curves_of(a, b), other = curves_of(b, a);

@@ -18,7 +18,7 @@ using test::Dice;
 
 double coordinate(Dice& dice, int grid) { return dice.below(grid); }
 
-/// Adds triangles of both orientations: a surface without inside.
+/// Adds a triangle in both orientations: a closed surface without inside.
 void add_membrane(Dice& dice, int grid, Soup& soup) {
     const auto first = static_cast<std::int32_t>(soup.vertices.size());
     for (int v = 0; v < 3; ++v)

@@ -82,7 +82,7 @@ struct Found {
     double volume = 0, mean_depth = std::nan("");
     std::array<double, 3> centroid{}, area_vector{}, normal{}, torque{}, torque_point{};
     bool in_rationals = false;
-    std::array<std::map<std::int32_t, std::array<double, 3>>, 2> gradient;  ///< by vertex, if not 0
+    std::array<std::map<std::int32_t, std::array<double, 3>>, 2> gradient;  ///< nonzero derivatives, by vertex
     std::array<std::map<std::int32_t, std::int32_t>, 2> windings;
 };
 

@@ -120,7 +120,7 @@ std::optional<std::vector<Rational>> solve(Matrix rows) {
 struct Nearest {
     Rational squared;
     unsigned chosen = 0;           ///< corners of the parts: one bit for each point of both features
-    std::vector<Rational> weight;  ///< one for each point of both features
+    std::vector<Rational> weight;  ///< barycentric weight of each point of both features
 };
 
 /// Minimises |Σ wᵢ σᵢ pᵢ|² over the chosen points, with σ = 1 for the first feature, σ = −1 for the second, and weights

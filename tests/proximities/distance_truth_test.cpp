@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Frame {
-    std::string result_file, mesh;  ///< names of files
+    std::string result_file, mesh;  ///< names of the file of exact results and of the mesh
     double radius;
     std::size_t every;  ///< interval of the lines that are also checked in rational arithmetic
     std::size_t lines, touching;

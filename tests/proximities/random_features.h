@@ -45,7 +45,7 @@ class RandomFeatures {
     std::mt19937_64 engine_;
 };
 
-/// Calls `check` with some features of each kind and lattice, until it fails.
+/// Calls `check` with some features of each kind, with coordinates of each kind of Points, until it fails.
 template <class Check>
 void for_features(std::uint64_t seed, int rounds, Check check) {
     for (const FeatureKinds kinds : all_kinds) {

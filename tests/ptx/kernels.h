@@ -24,12 +24,12 @@ class Kernels {
     /// kernel's PTX was not loaded.
     bool run(const cuda_on_cpu::Kernel& launch);
 
-    /// Launches of each kernel, by its name as the host's compiler mangles it.
+    /// Number of launches of each kernel, by its name as the host's compiler mangles it.
     std::map<std::string, int> launches;
 
    private:
     std::vector<std::unique_ptr<Program>> programs_;
-    std::map<std::string, const Function*> functions_;  ///< by the same names
+    std::map<std::string, const Function*> functions_;  ///< decoded kernels, by the same names as `launches`
     Thread thread_;
 };
 

@@ -134,7 +134,7 @@ class Decoder {
     }
 
    private:
-    static constexpr std::uint32_t first_register = 1u << 24;  // until all constants are known
+    static constexpr std::uint32_t first_register = 1u << 24;  // provisional slot, until all constants are known
 
     std::uint32_t new_register() { return first_register + registers_++; }
     std::uint32_t constant(std::uint64_t bits) {

@@ -114,7 +114,7 @@ class Thread {
 
     std::byte* memory_ = nullptr;  ///< memory of the current frame
     std::vector<std::uint64_t> slot_stack_, memory_stack_;
-    std::size_t slots_used_ = 0, memory_used_ = 0;  ///< in words
+    std::size_t slots_used_ = 0, memory_used_ = 0;  ///< used elements of both stacks, 8 bytes each
     std::uint64_t steps_ = 0;
 };
 

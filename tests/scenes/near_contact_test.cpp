@@ -86,7 +86,7 @@ TEST(FreePath, is_the_whole_step_if_nothing_is_met) {
     EXPECT_EQ(reached, end);
 }
 
-TEST(FreePath, ends_before_an_impact_but_not_for_other_points) {
+TEST(FreePath, is_shortened_only_for_points_that_would_collide) {
     // The upper triangle falls through the lower one; a third one falls beside them.
     Triangles triangles = two;
     triangles.push_back({6, 7, 8});
@@ -140,7 +140,7 @@ TEST(FreePath, holds_back_a_face_that_hits_a_vertex) {
     EXPECT_EQ(reached[3], start[3]);
 }
 
-TEST(FreePath, ends_before_points_that_are_held_back) {
+TEST(FreePath, does_not_run_into_points_that_are_held_back) {
     // The second of three triangles falls on the first and is held back. So the third, which could take its whole step
     // if the second took its own, falls on the second.
     const Triangles three{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
@@ -341,7 +341,7 @@ TEST(FreeCloth, has_no_obstacles_after_a_change_of_fabric) {
     for (const Vec3d& p : solver.points) EXPECT_LT(p.z, 0);
 }
 
-TEST(FreeCloth, keeps_the_speed_of_the_shortened_step) {
+TEST(FreeCloth, has_the_velocity_of_the_shortened_step) {
     // One triangle moves towards a held one, at a speed of ten times their distance per step. It stops at about half of
     // the distance.
     Fabric fabric{1, {{-1, -1}, {1, -1}, {0, 1}, {-1, -1}, {1, -1}, {0, 1}}, two};

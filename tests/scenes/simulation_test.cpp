@@ -74,7 +74,7 @@ TEST(Cut, keeps_the_area_and_orientation) {
     }
 }
 
-TEST(Cut, leaves_the_sheet_in_one_piece_until_it_is_through) {
+TEST(Cut, separates_the_sheet_only_if_it_crosses_it_completely) {
     const Fabric whole = square(12);
     std::size_t last = whole.triangles.size();
     for (const double tip : {-5.0, -2.0, 0.0, 5.0}) {
@@ -102,7 +102,7 @@ TEST(Cut, leaves_no_point_unused_and_no_edge_with_three_triangles) {
     EXPECT_EQ(used.size(), fabric.flat.size());
 }
 
-TEST(Cut, new_points_begin_on_their_edge) {
+TEST(Cut, points_made_by_a_cut_start_on_the_cut_edge) {
     const Fabric whole = square(8);
     ClothSolver solver(whole, {});
     solver.points = level(whole, 2);
@@ -118,7 +118,7 @@ TEST(Cut, new_points_begin_on_their_edge) {
     }
 }
 
-TEST(SelfContact, is_found_on_the_side_of_the_point) {
+TEST(SelfContact, has_the_side_distance_and_projection_of_the_point) {
     // A sheet, and a triangle above or below it, whose first corner is close to the sheet.
     Fabric fabric = square(4);
     std::vector<Vec3d> points = level(fabric, 0);
@@ -208,8 +208,8 @@ TEST(Funnel, gives_distance_and_normal_inside_and_outside) {
     EXPECT_NEAR(funnel.nearest({0, 0.25, -0.5}).distance, -0.05, 1e-12);
     EXPECT_LT(length(funnel.nearest({0, 0.25, -0.5}).normal - Vec3d{0, -1, 0}), 1e-12);
     EXPECT_GT(funnel.nearest({0.6, 0, 0.5}).normal.z, 0.5);
-    EXPECT_TRUE(std::isinf(funnel.nearest({0.6, 0, -0.5}).distance));  // behind it
-    EXPECT_GT(funnel.nearest({0.1, 0, -1.2}).distance, 0.2);           // below the spout
+    EXPECT_TRUE(std::isinf(funnel.nearest({0.6, 0, -0.5}).distance));  // a point behind the funnel
+    EXPECT_GT(funnel.nearest({0.1, 0, -1.2}).distance, 0.2);           // a point below its spout
 }
 
 TEST(ClothOnBall, pairs_more_than_double_from_frame_60_to_93) {

@@ -1,4 +1,5 @@
-// Test of stage `align`: boxes with their margin hold their triangles, including big members.
+// Test of stage `align`: boxes with their margin hold their triangles, including big members, whose coordinates exceed
+// the limit LeafFrame::big.
 
 #include "stages/cases.h"
 

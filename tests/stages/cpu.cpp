@@ -31,7 +31,7 @@ struct Run {
     const Inflation inflation;
     Points points{nullptr};
     Array<Ball> balls{nullptr};
-    Array<std::uint8_t> included{nullptr};  ///< empty: all triangles
+    Array<std::uint8_t> included{nullptr};  ///< 1 for each triangle that the stages search, else 0; empty: all
     Subdivision subdivision{nullptr};
 
     PointRows rows() const {

@@ -1,6 +1,7 @@
 // Runs the stages of the cuda backend, with blocks of 64 and of 256 threads, on a device or on one that the CPU
-// emulates. The first run has no records and no filter, so that all candidates of the sweep can be checked. A second
-// run of the stages from `sort` on has those of intersection queries.
+// emulates. The first run has neither records (data of triangles) nor the filters that read them, so that all
+// candidates of the sweep can be checked. A second run of the stages from `sort` on has the records and filters of
+// intersection queries.
 
 #include <limits>
 #include <stdexcept>

@@ -90,7 +90,7 @@ TEST(World, rows_are_sorted_by_world_and_numbered_within_bodies) {
     EXPECT_TRUE(std::is_sorted(listed.begin(), listed.end()));
 }
 
-TEST(World, pairs_of_bodies_in_all_worlds_count_for_no_world) {
+TEST(World, pairs_of_two_bodies_in_all_worlds_belong_to_no_world) {
     const auto soup = random_soup(40, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
     const std::vector<Body> bodies{
@@ -485,7 +485,7 @@ TEST(World, pairs_with_bodies_without_triangles_are_rejected) {
                     .any);
 }
 
-TEST(World, named_shapes_are_checked_wherever_their_bodies_are) {
+TEST(World, invalid_named_shapes_are_reported_even_of_distant_bodies) {
     auto soup = random_soup(50, 0.5);
     soup.vertices[9][2] = 1e30f;
     const std::vector<Shape> shapes{Shape(soup.view(), 1), Shape(soup.view(), 2)};

@@ -1,7 +1,8 @@
 #pragma once
 
 // crumple::mpi::Detector for Python: releases the GIL, and makes a call fail on all ranks if Python code (a signal
-// handler, a callback) raises an exception on one rank.
+// handler, a callback) raises an exception on one rank. All ranks learn of it at the next collective error check, an
+// exchange that all of them make.
 
 #include <cstdint>
 #include <exception>
@@ -61,7 +62,7 @@ class RankDetector {
     void show(const DistributedProgress& progress);
 
     mpi::Detector detector_;
-    bool calling_ = false;       ///< a call is in progress; guarded by the GIL
+    bool calling_ = false;       ///< true while a call is in progress; guarded by the GIL
     std::exception_ptr failed_;  ///< error given to fail(), thrown at the first collective error check of its call
     std::optional<nanobind::python_error> raised_;  ///< exception of a signal handler or of show_ during the call
     nanobind::object show_;

@@ -14,7 +14,8 @@
 
 namespace crumple::cpu {
 
-/// Memory of one worker, for a leaf from `align` to `sweep`.
+/// Memory of one worker, for one leaf at a time, from `align` to `sweep`. A leaf is a small set of triangles that one
+/// sweep searches.
 struct WorkerBuffers {
     explicit WorkerBuffers(MemoryMeter* m) : members(m), sort(m), leaf(m), tile_begin(m) {}
     LeafMembers members;

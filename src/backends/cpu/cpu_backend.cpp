@@ -173,9 +173,9 @@ class CpuBackend final : public BackendBase {
     MemoryMeter& meter_;
     std::unique_ptr<Cached> cached_;
     Statistics statistics_;
-    std::int64_t too_many_ =
-        std::numeric_limits<std::int64_t>::max();  ///< triangles of the smallest scene that has exceeded the memory
-                                                   ///< limit: scenes of this size or more are searched in chunks
+    /// Number of triangles of the smallest scene that has exceeded the memory limit: scenes of this size or more are
+    /// searched in chunks.
+    std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();
 };
 
 }  // namespace

@@ -42,8 +42,8 @@ class LeafQuery {
     virtual void sweep(const SortedLeaf& leaf, const Ownership& ownership, std::int64_t first, std::int64_t last,
                        std::size_t builder, std::size_t worker) = 0;
 
-    /// Begin and end a unit of a stream (RowStream) on a worker. Pairs that sweep() finds in between belong to the
-    /// unit.
+    /// Begin and end a unit of a stream (RowStream: queries/row_stream.h) on a worker. Pairs that sweep() finds in
+    /// between belong to the unit.
     virtual void begin_unit(std::int64_t /*unit*/, std::size_t /*worker*/) {}
     virtual void end_unit(std::size_t /*worker*/) {}
     /// Reports that the search ends with an error. May be called several times.

@@ -10,6 +10,7 @@ namespace crumple::cpu {
 namespace {
 
 // Leaves with more interval tests than this are cut into tiles of about a quarter of this number, for several workers.
+// In a stream, smaller ones that have all workers are tiled, too.
 constexpr std::int64_t tile_work = std::int64_t{1} << 22;
 
 // Cuts a leaf's rows into tiles with about the same number of interval tests. Writes the first row of each, then the

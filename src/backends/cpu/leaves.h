@@ -1,7 +1,7 @@
 #pragma once
 
-// The stages of one leaf, `align` to `narrow`, on one worker's buffers. Large leaves are swept in tiles (ranges of
-// rows) by several workers.
+// The stages of one leaf (small set of triangles that one sweep searches), `align` to `narrow`, on one worker's
+// buffers. Large leaves are swept in tiles (ranges of rows) by several workers.
 
 #include "backends/cpu/order.h"
 #include "backends/cpu/stages/ownership.h"
@@ -18,7 +18,8 @@ bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::s
 
 void sort_leaf(const Call& call, std::size_t worker);
 
-/// Runs stages `sweep` and `narrow`. `in_tiles`: on several workers, if the leaf is large enough.
+/// Runs stages `sweep` and `narrow`. `in_tiles`: true if several workers may sweep tiles of the leaf; they do so if it
+/// is large, or in a stream.
 void sweep_leaf(const Call& call, const Ownership& ownership, bool in_tiles, std::size_t worker);
 
 }  // namespace crumple::cpu

@@ -13,7 +13,7 @@
 
 namespace crumple::cpu {
 
-/// Request, settings and resources of one call.
+/// Request, settings and resources of one call. `rule`: the pair filter.
 struct Call {
     const PreparedScene& scene;
     const SceneFilter& rule;
@@ -28,7 +28,7 @@ struct Call {
     Statistics& statistics;
     LeafQuery& query;
 
-    bool low_memory = false;        ///< true: searches one cluster after another, on one worker
+    bool low_memory = false;        ///< true: searches one first-level cluster after another, on one worker
     std::int64_t* units = nullptr;  ///< number of units that a stream has begun; null: no stream
     Inflation inflation = {};       ///< inflation of every triangle
 
@@ -39,8 +39,8 @@ struct Call {
     }
 };
 
-/// Calls task(i, worker) for i in [0, n), in parallel. In a stream, each task is a unit; units begin in ascending
-/// order.
+/// Calls task(i, worker) for i in [0, n), in parallel. In a stream, each task is a unit (RowStream:
+/// queries/row_stream.h); units begin in ascending order.
 template <class Task>
 void for_each_unit(const Call& call, std::size_t n, Task task) {
     if (!call.units) return call.workers.parallel_for(n, task);

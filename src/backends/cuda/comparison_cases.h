@@ -1,8 +1,8 @@
 #pragma once
 
 // Known-answer test, run before a device is used: the kernels that decide exactly evaluate small cases that cover every
-// path of the exact arithmetic, and their results are compared bit for bit with the host's. It detects miscompiled
-// kernels (docs/nvcc_13_0.md).
+// path of the exact arithmetic for pairs of triangles, vertex-face and edge-edge pairs, and their results are compared
+// bit for bit with the host's. It detects miscompiled kernels (docs/nvcc_13_0.md).
 
 #include <string>
 

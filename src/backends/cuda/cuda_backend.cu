@@ -124,7 +124,7 @@ class CudaBackend final : public BackendBase {
     }
 
     bool find(const World& world, const IntersectionQuery& query, Intersections& result) override {
-        constexpr int several = 2;  // any number above 1: memory may suffice for fewer worlds
+        constexpr int several = 2;  // stands for "more than one" in on_device(): memory may suffice for fewer worlds
         return on_device(
             [&] {
                 follow(world.device_poses);

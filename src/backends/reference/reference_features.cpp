@@ -21,11 +21,11 @@ struct ReferenceFeature {
     Points vertices;
     std::int32_t index;
     std::int32_t group;
-    std::set<std::int32_t> names;  ///< representatives of its vertices
+    std::set<std::int32_t> names;  ///< representatives of its vertices: equal for vertices that welding merges
     Vec3d low, high;               ///< box of its swept volume
     double radius = 0;
     bool lone = true;         ///< on no face, and if it is a vertex, on no edge
-    std::int32_t owner = -1;  ///< in a part: triangle that owns it
+    std::int32_t owner = -1;  ///< if the scene is a part (crumple/part.h): triangle of the part that owns it
 };
 
 using Ends = std::pair<std::int32_t, std::int32_t>;

@@ -124,8 +124,8 @@ class BruteForceOverlap {
         }
     }
 
-    /// Returns a row whose numbers are undefined, except for the contact area and the curves: for two surfaces that are
-    /// not both closed.
+    /// Returns the row of two surfaces of which at least one is not closed: only the contact area, the torque point
+    /// (the origin of the sums) and the curves are defined.
     OverlapRow open_row() {
         OverlapRow row;
         add(Shift::forward, row);

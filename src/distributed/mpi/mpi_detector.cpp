@@ -69,8 +69,8 @@ struct Fair {
     int place = 0;  ///< index of the rank among those of its machine
 };
 
-// Returns the rank's fair number of threads: each core that it may use counts as 1 / (number of ranks of the machine
-// that may use this core). Collective.
+// Returns the rank's index on its machine, and its fair number of threads: each core that it may use counts as 1 /
+// (number of ranks of the machine that may use this core). Collective.
 Fair fair_share(MPI_Comm communicator) {
     MPI_Comm machine = MPI_COMM_NULL;
     check_mpi(MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine),

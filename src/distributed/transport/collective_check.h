@@ -24,8 +24,8 @@ class CollectiveCheck {
     explicit CollectiveCheck(Transport& transport) : transport_(transport) {}
 
     /// Runs work() on this rank. Returns once work() has succeeded on all ranks; else throws. An Error that work()
-    /// throws about an element must have the element's number over all ranks (see Share). An exception that is no
-    /// error, such as an interrupt by the user, is rethrown unchanged on the rank where it was thrown.
+    /// throws about an element must have the element's number over all ranks. An exception that is no error, such as an
+    /// interrupt by the user, is rethrown unchanged on the rank where it was thrown.
     template <class Work>
     void operator()(Phase phase, Work work) {
         std::exception_ptr failed;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Exchanges one list between each two ranks.
+// Exchanges lists between ranks: each rank sends one list to each rank, itself included.
 
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +12,8 @@
 
 namespace crumple::distribute {
 
-/// Returns the traffic of lists with size(rank) rows for each rank. Collective.
+/// Returns the numbers of rows to send and to receive if this rank has a list of size(r) rows for each rank r.
+/// Collective.
 template <class Size>
 Traffic traffic_of(MessageBatches& batches, Size size) {
     Traffic traffic(batches.transport().size());

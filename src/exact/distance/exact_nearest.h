@@ -15,7 +15,7 @@ namespace crumple {
 /// One point of each triangle, rounded to the nearest float64, ties to even; +0 for zero.
 using Witnesses = std::array<Vec3d, 2>;
 
-/// Returns the sign of the difference of two squared distances.
+/// Returns the sign of the distance x minus the distance y.
 int compare(const RationalDistance& x, const RationalDistance& y);
 
 /// Returns the closest points of two features, that of the first one first. `distance` must be that of these features.
@@ -31,7 +31,7 @@ class RationalNearest {
     RationalNearest(const TrianglePoints& a, const TrianglePoints& b, std::uint16_t features);
 
     bool touching() const { return !distance_; }
-    /// Returns the sign of the difference of two distances.
+    /// Returns the sign of the distance x minus the distance y.
     friend int compare(const RationalNearest& x, const RationalNearest& y);
     /// True if the distance is at most `radius`, which is 0 or more.
     bool within(double radius) const { return touching() || distance_->within({radius, 0}); }

@@ -21,7 +21,7 @@ class TriangleGap {
         size_ = length_1(across_) + length_1(a1_) + length_1(a2_) + length_1(b1_) + length_1(b2_);
     }
 
-    /// Returns an upper bound on the difference between any two of the points.
+    /// Returns an upper bound, up to rounding, on |x| + |y| + |z| of the difference of any two of the six corners.
     double size() const { return size_; }
 
     /// Gap from the second triangle to the first along g, times the length of g, and a bound on the error of this
@@ -91,7 +91,7 @@ class FilteredNearest {
     /// slightly wrong.
     std::size_t feature() const { return feature_; }
     std::uint8_t type() const { return type_; }
-    /// Returns the vector from the second triangle's point to the first one's.
+    /// Returns the vector from the guessed closest point of the second triangle to that of the first.
     const Vec3d& direction() const { return direction_; }
     /// Returns a bound on the length of the difference between direction() and the exact vector between the triangles'
     /// closest points; infinite if nothing is proven.

@@ -55,7 +55,7 @@ template <FeaturePair pair>
 struct Approach {
     MovingVector u, v, w;
     Vec3d extent_u, extent_v, extent_w;
-    double reach;      ///< bounds the sum of all magnitudes
+    double reach;      ///< sum of the magnitudes of all components of u, v and w at both ends, rounded
     double slack;      ///< exceeds the underflow error of anything computed from the vectors
     double magnitude;  ///< bounds the sum of the magnitudes of the monomials of (u x v) . w
 

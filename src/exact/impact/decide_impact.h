@@ -11,7 +11,7 @@ namespace crumple {
 
 /// Number of decisions that reached each stage.
 struct ImpactCounts {
-    std::int64_t roots = 0;  ///< decisions left by the filters that prove features apart
+    std::int64_t roots = 0;  ///< decisions left by surely_apart() or by filters at least as strong
     std::int64_t exact = 0;  ///< of these, decisions that took rational arithmetic
 };
 

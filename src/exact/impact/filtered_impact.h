@@ -1,9 +1,9 @@
 #pragma once
 
-// Float64 filter: computes when two moving features first touch, in float64 and double words with proven bounds; the
-// result is `unknown` if the bounds do not decide. All other results are those of exact_impact.h, bit for bit. Accepts
-// any coordinates; NaN and infinity give `unknown`. Compiled for host and device. The derivation is in
-// docs/motion_filters.md.
+// Float64 filter: computes when two moving features first touch, in float64 and double words (unevaluated sums of two
+// float64 numbers), with proven bounds; the result is `unknown` if the bounds do not decide. All other results are
+// those of exact_impact.h, bit for bit. Accepts any coordinates; NaN and infinity give `unknown`. Compiled for host and
+// device. The derivation is in docs/motion_filters.md.
 //
 // The volume (volume.h) is 0 whenever the features touch. Its roots are visited in ascending order. Each is isolated by
 // signs, enclosed by Newton's method, and skipped if the features certainly do not touch at that time. If they
@@ -21,8 +21,8 @@ enum class Certainty { apart, meets, unknown };
 
 struct FilteredImpact {
     Certainty verdict = Certainty::unknown;
-    double toi = 0;      ///< Impact::toi
-    bool start = false;  ///< Impact::start
+    double toi = 0;      ///< as Impact::toi, if `verdict` is `meets`
+    bool start = false;  ///< as Impact::start, if `verdict` is `meets`
 };
 
 namespace detail {

@@ -5,7 +5,8 @@
 namespace crumple {
 
 /// Requested minimum distance, the larger of `distance` and a share of the distance at the start. The result is the
-/// first time at which the distance of two features is at most this.
+/// first time at which the distance of two features is at most this; see `approaching_only` for features that start
+/// within it.
 struct MinDistance {
     double distance = 0;  ///< Euclidean, finite and not negative
     double share = 0;     ///< share of the distance at the start, in [0, 1)

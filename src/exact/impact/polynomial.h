@@ -20,7 +20,7 @@ struct Dyadic {
 
 class Polynomial {
    public:
-    Polynomial() = default;  ///< 0
+    Polynomial() = default;  ///< makes the polynomial 0
     /// Constructs from coefficients in ascending order; drops zeros at the end.
     explicit Polynomial(std::vector<Integer> coefficients);
 

@@ -30,9 +30,9 @@ class Root {
     bool exact() const { return below_ == 0; }
     void halve();
 
-    Polynomial polynomial_;  ///< 0 if exact
+    Polynomial polynomial_;  ///< polynomial with this root; 0 if the root is a dyadic number
     Dyadic at_;              ///< the number, or the lower end of the interval of length 2^-j
-    int below_ = 0;          ///< the polynomial's sign at the lower end; 0 if exact
+    int below_ = 0;          ///< the polynomial's sign at the lower end; 0 if the root is a dyadic number
 };
 
 /// Returns the distinct roots of p in [0, 1], in ascending order; p is not 0.

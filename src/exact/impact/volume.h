@@ -2,8 +2,8 @@
 
 // Volume f = (u x v) . w of two moving features, which is 0 whenever they touch; u, v and w are the vectors of
 // approach.h. It is a cubic in time, represented by its Bernstein coefficients over [0, 1] in float64, with an error
-// bound, and evaluated in double words at single times. Compiled for host and device. Bounds are derived in
-// docs/motion_filters.md.
+// bound, and evaluated in double words (unevaluated sums of two float64 numbers) at single times. Compiled for host and
+// device. Bounds are derived in docs/motion_filters.md.
 
 #include "exact/impact/approach.h"
 #include "geometry/double_word.h"

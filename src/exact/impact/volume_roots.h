@@ -57,7 +57,7 @@ class VolumeRoots {
     }
 
    private:
-    static constexpr int most = 12;  // enough for all but multiple roots
+    static constexpr int most = 12;  // enough unless there is a multiple root
     Volume volume_;
     double low_ = 0;          ///< everything to the left is done
     double end_[most] = {1};  ///< ends of the intervals to the right, the next one last
@@ -84,8 +84,8 @@ CRUMPLE_HD inline bool enclose(const Volume& volume, const RootBracket& root, Ro
     return false;
 }
 
-/// Narrows the enclosure, with the volume in double words, until it is certain which float64 is the largest not above
-/// the root. Returns false if that remains uncertain.
+/// Narrows the enclosure, with the volume in double words (unevaluated sums of two float64 numbers), until it is
+/// certain which float64 is the largest not above the root. Returns false if that remains uncertain.
 template <FeaturePair pair>
 CRUMPLE_HD inline bool round_down(const FourPoints& points, const Approach<pair>& x, const Volume& volume,
                                   RootEnclosure& place, double& rounded) {

@@ -54,7 +54,7 @@ struct Sides {
     CRUMPLE_HD Sides(const FilteredPlane& plane, const Triangle& t, const Marks& shared) {
         for (std::size_t i = 0; i < 3; ++i) sign[i] = shared[i] ? 0 : plane.side(t.point[i]);
     }
-    /// Decides sides unresolved by the filter, for coordinates in the range of expansions.
+    /// Decides sides unresolved by the filter, for coordinates in the range of expansions (geometry/predicates.h).
     CRUMPLE_HD void complete(const Triangle& plane, const Triangle& t, ExactSigns& signs) {
         const auto& p = plane.point;
         for (std::size_t i = 0; i < 3; ++i) {

@@ -4,10 +4,10 @@
 // Compiled for host and device.
 //
 // The exact signs of the corners and the order of the edges along the line determine which one or two crossings of an
-// edge with a plane are the ends of the intersection. Their coordinates are computed in double words with a bound on
-// the error; if every number within the bound rounds to the same float64, that is the result (A. Ziv's test). If the
-// rounded coordinates of the ends differ, they also determine which end is lexicographically smaller, because rounding
-// is monotone; otherwise the sign of the line's direction does.
+// edge with a plane are the ends of the intersection. Their coordinates are computed in double words (unevaluated sums
+// of two float64 numbers) with a bound on the error; if every number within the bound rounds to the same float64, that
+// is the result (A. Ziv's test). If the rounded coordinates of the ends differ, they also determine which end is
+// lexicographically smaller, because rounding is monotone; otherwise the sign of the line's direction does.
 //
 // Cases that stay unresolved, nearly always ties, are passed to `Exact`: two functions that either set the result or
 // return false.

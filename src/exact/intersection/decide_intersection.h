@@ -12,7 +12,7 @@ namespace crumple {
 
 /// Number of decisions that reached each stage; summed into Statistics.
 struct DecisionCounts {
-    std::int64_t exact = 0;     ///< unresolved by float64 filters
+    std::int64_t exact = 0;     ///< pairs unresolved by float64 filters
     std::int64_t rational = 0;  ///< of these, pairs beyond the range of expansions (geometry/predicates.h)
 };
 

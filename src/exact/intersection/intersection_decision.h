@@ -199,8 +199,8 @@ CRUMPLE_HD_COLD Verdict decide_by_cases(const Triangle& a, const Triangle& b, co
 /// round-to-nearest without flush-to-zero.
 ///
 /// With FilteredSigns, for any finite coordinates, `undecided` means that exact arithmetic has to decide. With
-/// ExactSigns, `undecided` means that coordinates are beyond the range of expansions, which never happens for float32,
-/// and that rational arithmetic has to decide.
+/// ExactSigns, `undecided` means that coordinates are beyond the range of expansions (geometry/predicates.h), which
+/// never happens for float32, and that rational arithmetic has to decide.
 template <class Signs>
 CRUMPLE_HD Verdict decide(const Triangle& a, const Triangle& b, Neighbours neighbours, IntersectionKind intersections,
                           Signs& signs) {

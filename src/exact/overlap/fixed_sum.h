@@ -60,8 +60,8 @@ class FixedSum {
    private:
     static constexpr int digit_bits = 32;
     static constexpr std::uint64_t digit_mask = 0xffffffff;
-    static constexpr std::size_t digits =
-        2110 / digit_bits + 5;  ///< 2^-1074 to beyond 2^1024 times any number of terms
+    /// Number of digits: from 2^-1074 to beyond 2^1024 times any number of terms.
+    static constexpr std::size_t digits = 2110 / digit_bits + 5;
     static constexpr std::int64_t most_additions = std::int64_t{1} << 30;
 
     /// Normalises all digits but the last used one to 0 .. 2^32 - 1.

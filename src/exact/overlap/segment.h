@@ -14,9 +14,9 @@ namespace crumple {
 /// End of a segment: the point at which an edge of one face crosses the other.
 struct SegmentEnd {
     std::uint8_t side = 0;    ///< 0: an edge of a, 1: of b
-    std::uint8_t edge = 0;    ///< 01, 12 or 20
+    std::uint8_t edge = 0;    ///< 0, 1 or 2: the edge 01, 12 or 20 of its face, from corner to corner
     std::int8_t vertex = -1;  ///< corner of the edge's face if the end lies exactly at it, else −1
-    std::int8_t jump = 0;     ///< change of the winding number along the edge
+    std::int8_t jump = 0;     ///< change of the other surface's winding number along the edge, 1 or −1
 };
 
 /// Segment in which two faces a and b cross. On a, the inside of b's surface is to its left. On b, it is traversed from
@@ -25,7 +25,8 @@ struct Segment {
     std::int32_t a = 0, b = 0;  ///< ids of the two faces
     SegmentEnd start, end;
     bool in_volume = true;  ///< true if it counts in the volume, which is computed for the forward shift only
-    std::int8_t times = 1;  ///< number of times that it counts in curves: 2 if both shifts have it
+    /// Number of times that it counts in sums over curves, which add up both shifts: 2 if both shifts have it.
+    std::int8_t times = 1;
 };
 
 /// Returns the segment in which two faces cross. at_vertex(side, edge) returns the corner for SegmentEnd::vertex.

@@ -1,7 +1,8 @@
 #pragma once
 
-// Vectors of double words for distances. The errors of products and sums are bounded relative to the magnitudes of
-// their terms, which is cheaper than a bound relative to the result. ε = 2^-53. Compiled for host and device.
+// Vectors of double words (unevaluated sums of two float64 numbers) for distances. The errors of products and sums are
+// bounded relative to the magnitudes of their terms, which is cheaper than a bound relative to the result. ε = 2^-53.
+// Compiled for host and device.
 
 #include "geometry/double_word.h"
 

@@ -4,11 +4,11 @@
 // results that follow from it. Compiled for host and device. The bounds are derived in docs/nearness_algebra.md.
 //
 // w, u, v, s and t are those of closest_guess.h, renumbered by vectors_from_guess.h. The guess is used as it is: s and
-// t are float64 numbers, so the squared length of w + s u + t v, evaluated in double words, is an upper bound that
-// errors of the guess do not affect. The squared length f is a quadratic function of (s, t), so its slopes at the guess
-// bound how much smaller it is elsewhere: not at all along a parameter that can only grow and with which f grows,
-// otherwise by at most the square of the slope divided by the curvature. If the guess is off by rounding errors, so are
-// the slopes, and the loss is of the order of their squares.
+// t are float64 numbers, so the squared length of w + s u + t v, evaluated in double words (unevaluated sums of two
+// float64 numbers), is an upper bound that errors of the guess do not affect. The squared length f is a quadratic
+// function of (s, t), so its slopes at the guess bound how much smaller it is elsewhere: not at all along a parameter
+// that can only grow and with which f grows, otherwise by at most the square of the slope divided by the curvature. If
+// the guess is off by rounding errors, so are the slopes, and the loss is of the order of their squares.
 //
 // With hardly any curvature, as for nearly parallel edges, this bound is too large. Then slopes are evaluated in double
 // words, too, and a step of Newton's method improves the guess.
@@ -262,7 +262,7 @@ class Enclosure {
 
     CRUMPLE_HD bool certainly_touching() const { return squared_.high == 0 && above_ == 0; }
 
-    /// True if nothing was rounded. Then the enclosure shrinks to one number.
+    /// Decides, once, if nothing was rounded; if so, shrinks the enclosure to one number. Returns true if nothing was.
     CRUMPLE_HD bool decide_type() {
         if (settled_ == Exactness::untried) {
             const bool exact = certainly_touching() || (s_low_ == 0 && t_low_ == 0 && is_exact(seen_, g_, squared_));

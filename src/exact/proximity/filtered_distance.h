@@ -1,8 +1,9 @@
 #pragma once
 
-// Float64 filter: distance of two static features, in float64 and double words with proven bounds. Results are those of
-// rational_distance.h, to the last bit, or reported as not certain. Compiled for host and device; nothing is allocated.
-// Needs round-to-nearest without flush-to-zero. The bounds are derived in docs/nearness_algebra.md.
+// Float64 filter: distance of two static features, in float64 and double words (unevaluated sums of two float64
+// numbers), with proven bounds. Results are those of rational_distance.h, to the last bit, or reported as not certain.
+// Compiled for host and device; nothing is allocated. Needs round-to-nearest without flush-to-zero. The bounds are
+// derived in docs/nearness_algebra.md.
 
 #include "exact/proximity/closest_guess.h"
 #include "exact/proximity/enclosure.h"

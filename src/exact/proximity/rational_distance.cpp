@@ -51,7 +51,8 @@ Parts vertex_edge(const Point& p, const Point& a, const Point& b) {
     return {{dot(moment, moment), length}, number(VertexEdgeType::P_E), {Quotient{place, length}, Quotient{0}}};
 }
 
-/// Types of a larger pair of features, by the VertexEdgeType of a vertex and an edge that are parts of these.
+/// Conversion of types: for each VertexEdgeType of a vertex and an edge, the type (VertexFaceType or EdgeEdgeType) of a
+/// larger pair of features, of which these two are parts.
 template <class Type>
 using Names = std::array<Type, 3>;
 

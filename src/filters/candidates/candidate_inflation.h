@@ -6,7 +6,7 @@
 
 namespace crumple {
 
-/// Returns `inflation` (CandidateQuery::inflation) in normalised coordinates, rounded up.
+/// Returns the inflation of boxes by `inflation` (CandidateQuery::inflation), in normalised coordinates, rounded up.
 CRUMPLE_HD inline Inflation inflation_of_candidates(const Normaliser& normaliser, double inflation) {
     Inflation widening;
     widening.of_box = true;

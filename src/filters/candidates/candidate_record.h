@@ -9,8 +9,9 @@
 // A bound of an inflated box is stored as a key: the sum of coordinate and inflation is rounded, then normalised, taken
 // relative to the leaf's origin and rounded to float32. Each step is monotone, so unequal keys have the order of the
 // exact sums (box_test.h); equal keys decide nothing. The following lanes hold no box, and overlap nothing: lanes of
-// features that another triangle owns, lane 7, and lane 6 of a proxy triangle, which is not a face
-// (scene/scene_features.h). Compiled for host and device.
+// features that another triangle owns, lane 7, and lane 6 of a proxy triangle (a degenerate triangle that owns an edge
+// or a point which no other triangle owns, and that is not a face: scene/scene_features.h). A representative vertex
+// stands for all vertices that welding merges; without welding it is the vertex itself. Compiled for host and device.
 
 #include <cstdint>
 
@@ -26,13 +27,15 @@ inline constexpr unsigned vertex_lanes = 0b111, edge_lanes = 0b111000, face_lane
 
 struct alignas(64) CandidateRecord {
     float low[3][candidate_lanes], high[3][candidate_lanes];  ///< by axis and lane
-    std::int32_t id[candidate_lanes];                         ///< by lane: points, edges, the triangle
-    std::int32_t vertex[3];                                   ///< corners
-    std::int32_t name[4];  ///< representative vertices of the corners; the last one is -1
-    std::uint32_t owned;   ///< 1 bit per lane
+    /// Ids by lane: of the points at the corners, of the edges, and of the triangle.
+    std::int32_t id[candidate_lanes];
+    std::int32_t vertex[3];  ///< corners
+    std::int32_t name[4];    ///< representative vertices of the corners; the last one is -1
+    std::uint32_t owned;     ///< 1 bit per lane: set if the triangle owns the lane's feature
 };
 
-/// Returns the lanes of the features that a triangle or a proxy triangle owns. `owned`: see SceneFeatures.
+/// Returns the lanes of the features that a triangle or a proxy triangle owns. `owned`: bits of its vertices and edges
+/// (SceneFeatures::owned); `face`: false for a proxy triangle.
 CRUMPLE_HD constexpr unsigned owned_lanes(unsigned owned, bool face) {
     return (owned & (vertex_lanes | edge_lanes)) | (face ? face_lane : 0);
 }
@@ -67,6 +70,7 @@ struct SharedCorners {
         for (int i = 0; i < 3; ++i)
             for (int k = 0; k < 3; ++k) of[i] |= unsigned{a[i] == b[k]} << k;
     }
+    /// Reads what bits() has returned.
     CRUMPLE_HD explicit SharedCorners(unsigned bits) : of{bits & 7, bits >> 3 & 7, bits >> 6 & 7} {}
     CRUMPLE_HD unsigned bits() const { return of[0] | of[1] << 3 | of[2] << 6; }
     /// Returns true if the features of two lanes have a common vertex.
@@ -85,7 +89,7 @@ inline constexpr float beyond = 3e38f;
 /// matter where exactly an inflated box ends outside of that range.
 inline constexpr double farthest_key = 8;
 
-/// Computes the keys of a corner of an inflated box.
+/// Computes the keys of a corner of an inflated box. `origin`: the leaf's origin, in normalised coordinates.
 struct CandidateKey {
     const Normaliser& normaliser;
     Vec3d origin;

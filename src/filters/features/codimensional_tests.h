@@ -57,8 +57,8 @@ CRUMPLE_HD void keep_faces(const FeatureRecord<moments>& a, const FeatureRecord<
     next = kept;
 }
 
-/// Writes all tests of a pair of triangles or proxy triangles, and advances `next`, which has an element for each kind:
-/// by at most 6, 9, 4, and 1.
+/// Writes all tests of a pair of triangles or proxy triangles, and advances `next`, which has an element for each
+/// FeatureKind: by at most 6, 9, 4, and 1. `name`: see tests_of_pair().
 template <int moments, class Name>
 CRUMPLE_HD void list_codimensional_tests(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b,
                                          const FeatureTable& features, Name name,

@@ -65,7 +65,8 @@ CRUMPLE_HD Vec3f between_middles(const Vec3f (&to)[3]) {
     return to[1] + to[2] - to[0];
 }
 
-/// Returns a share in [0, 1), rounded up to float32; positive shares stay positive.
+/// Returns a share of the distance at the start (ImpactQuery::min_distance_share), in [0, 1), rounded up to float32;
+/// positive shares stay positive.
 CRUMPLE_HD inline float share_to_filter(double share) {
     return share > 0 ? max(static_cast<float>(share) * up, 1e-30f) : 0;
 }

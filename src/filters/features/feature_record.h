@@ -1,7 +1,8 @@
 #pragma once
 
 // Record of a triangle in a leaf (set of triangles that one sweep searches) for queries about features: corners at one
-// time sample, or at the start and at the end of a step, and the ids of its features. Compiled for host and device.
+// time sample, or at the start and at the end of a step (x0' and so on), and the ids of its features. Compiled for host
+// and device.
 //
 // Corners are relative to the leaf's origin, in rows of four, so that one load yields a coordinate of three corners and
 // of the normal:
@@ -22,13 +23,13 @@ template <int moments>
 struct alignas(16) FeatureRecord {
     float x[4 * moments], y[4 * moments], z[4 * moments];
     std::int32_t vertex[3];
-    std::uint32_t owned;   ///< see SceneFeatures
-    std::int32_t edge[3];  ///< edge id by side; for -1 see TriangleEdges
+    std::uint32_t owned;   ///< bits of the corners and edges that the triangle owns (SceneFeatures::owned)
+    std::int32_t edge[3];  ///< index of the edge on each side; for -1 see TriangleEdges
     std::int32_t triangle;
 
     CRUMPLE_HD Vec3f at(int i) const { return {x[i], y[i], z[i]}; }
-    /// Returns corner k at a time sample. A device keeps a record in registers, which it cannot index by a computed
-    /// number.
+    /// Returns corner k at a time sample. Chooses it by comparisons, because a device keeps a record in registers,
+    /// which it cannot index by a computed number.
     CRUMPLE_HD Vec3f corner(int moment, int k) const {
         const int i = 4 * moment;
         return k == 0 ? at(i) : k == 1 ? at(i + 1) : at(i + 2);

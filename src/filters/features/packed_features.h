@@ -18,13 +18,14 @@ CRUMPLE_HD inline DistanceLimit distance_limit_of(FeatureKind kind, const std::i
                                           : DistanceLimit{r[0], max(r[1], last), strict};
 }
 
+/// Pair of features that a device could not decide.
 struct PackedFeatures {
     FeatureKind kind;
     Pair pair;
     FeaturePoints points;
-    DistanceLimit reach;
+    DistanceLimit reach;  ///< limit that a proximity is compared with
     bool has_rest;
-    std::array<Vec3d, 4> rest;  ///< positions in the rest shape
+    std::array<Vec3d, 4> rest;  ///< positions of the four points in the rest shape, if has_rest
 };
 
 }  // namespace crumple

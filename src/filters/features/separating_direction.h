@@ -10,8 +10,8 @@
 
 namespace crumple {
 
-/// Error of two compared projections together, relative to the largest |coordinate| of the leaf's corners
-/// (docs/features.md).
+/// Error of two compared projections together, relative to the largest |coordinate| of a corner in the leaf, the set of
+/// triangles that one sweep searches (docs/features.md).
 inline constexpr float projection_error = 20 * unit_roundoff;
 
 /// Returns an upper bound, except for errors of coordinates, on the distance at the start of the two features of each
@@ -44,7 +44,8 @@ struct NeededGap {
     float gap, error;  ///< gap: bound for the requested distance; error: the part of it that covers errors
     float share;       ///< requested share of a pair's distance at the start; the larger bound applies
 
-    /// `reach`: the leaf's largest |coordinate|. `share`: see share_to_filter().
+    /// `distance`: the requested distance in normalised coordinates; `reach`: the largest |coordinate| of a corner in
+    /// the leaf; `share`: see share_to_filter().
     CRUMPLE_HD NeededGap(float distance, float reach, float share = 0)
         : error(projection_error * reach + 1e-18f), share(share) {
         gap = distance * 1.000002f + error;
@@ -116,9 +117,9 @@ CRUMPLE_HD bool separates_beside(const CommonCorner& common, const Vec3f& d, con
     return above || below;
 }
 
-/// Returns true if each feature of a is further from each feature of b that is not incident to it than the requested
-/// distance. `gap`: NeededGap::of() for the pair. Tries the direction between the centroids of all corners and, for
-/// triangles without a single common corner, the normals of both at each time sample.
+/// Returns true if each feature of a is further than the requested distance from each feature of b that has no common
+/// vertex with it. `gap`: NeededGap::of() for the pair. Tries the direction between the centroids of all corners and,
+/// for triangles without a single common corner, the normals of both at each time sample.
 template <int moments>
 CRUMPLE_HD bool surely_apart(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, float gap) {
     const Vec3f between = between_centroids(a, b);

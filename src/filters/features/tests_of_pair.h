@@ -22,7 +22,8 @@ struct TestsOfPair {
     unsigned vertex_face = 0, edge_edge = 0;
 };
 
-/// Returns the tests of a pair. `name(vertex)`: the representative vertex, by which two vertices are compared.
+/// Returns the tests of a pair. `name(vertex)` returns the vertex's representative: vertices that welding merges have
+/// the same one, and count as one vertex.
 template <int moments, class Name>
 CRUMPLE_HD TestsOfPair tests_of_pair(const FeatureRecord<moments>& a, const FeatureRecord<moments>& b, Name name) {
     unsigned shared_a = 0, shared_b = 0;  // corners that the other triangle has, too

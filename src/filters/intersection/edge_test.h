@@ -37,9 +37,12 @@ CRUMPLE_HD inline int determinant_sign(const Vec3f& a, const Vec3f& b, const Vec
 }
 
 /// Decides whether the pair collides, if the bounds allow it. `below_a`: bits of b's corners below a's plane;
-/// `below_b`: bits of a's corners below b's plane; `reach`: the leaf's largest |coordinate|. The triangles meet the
-/// common line of their planes in two intervals. If these overlap, the intersection is proper unless the intervals are
-/// equal, which this test cannot exclude; so with `proper` hits stay undecided.
+/// `below_b`: bits of a's corners below b's plane; `reach`: the largest |coordinate| of a corner in the leaf, the set
+/// of triangles that one sweep searches; `proper`: true if only proper intersections count, in which an edge of one
+/// triangle strictly crosses the interior of the other (IntersectionKind::proper). Each triangle meets the common line
+/// of both planes in an interval. The triangles intersect if these overlap, and properly unless the intervals are
+/// equal, as then edges only meet edges. This test does not detect equal intervals, so with `proper` it leaves pairs
+/// with overlapping intervals undecided.
 CRUMPLE_HD inline Verdict edge_test(const Record& a, const Record& b, unsigned below_a, unsigned below_b, float reach,
                                     bool proper) {
     const int order = edge_order(static_cast<int>(below_a), static_cast<int>(below_b));

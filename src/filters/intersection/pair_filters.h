@@ -9,7 +9,8 @@
 
 namespace crumple {
 
-/// Applies the float32 filters to a pair that the plane filter does not decide. `kind`: classify() of its signs.
+/// Applies the float32 filters: returns the result of the plane filter, whose signs classify() has turned into `kind`,
+/// or, if that decides nothing, applies the further filters.
 CRUMPLE_HD inline Verdict filter_in_float(const Record& a, const Record& b, const PairSigns& signs, NextStep kind,
                                           const NarrowPolicy& policy, const PointRows& points, float reach) {
     if (kind == NextStep::apart) return Verdict::apart;
@@ -29,8 +30,8 @@ CRUMPLE_HD inline bool filter_in_double(const Record& a, const Record& b, const 
     return !signs.all_shared() && separated_in_double(a, b, signs.shared_a, signs.shared_b, points);
 }
 
-/// Applies all filters. `points`: the vertices that the records' ids refer to; `reach`: the leaf's largest
-/// |coordinate|.
+/// Applies all filters. `points`: the vertices that the records' ids refer to; `reach`: the largest |coordinate| of a
+/// corner in the leaf, the set of triangles that one sweep searches.
 CRUMPLE_HD inline Verdict filter_pair(const Record& a, const Record& b, const NarrowPolicy& policy,
                                       const PointRows& points, float reach) {
     const PairSigns signs = pair_signs(a, b);

@@ -8,7 +8,9 @@
 
 namespace crumple {
 
-/// Options of a query that the filters depend on.
+/// Options of a query that the filters depend on. `skip_adjacent`: adjacent triangles are apart (Neighbours::skip).
+/// `proper`: only pairs count in which an edge of one strictly crosses the interior of the other
+/// (IntersectionKind::proper).
 struct NarrowPolicy {
     bool skip_adjacent = false;
     bool proper = false;
@@ -53,8 +55,8 @@ CRUMPLE_HD inline PairSigns pair_signs(const Record& a, const Record& b) {
     return s;
 }
 
-/// Next step for a pair: none, because it is decided (apart, hit); the edge test (edge); or only the separating tests
-/// (open).
+/// Next step for a pair: none, because it is decided (apart, hit); the edge test, then the separating tests (edge); or
+/// only the separating tests (open).
 enum class NextStep : std::uint8_t { apart, hit, edge, open };
 
 CRUMPLE_HD inline NextStep classify(const PairSigns& s, const NarrowPolicy& policy) {

@@ -17,13 +17,14 @@ struct FlatTriangle {
     unsigned shared;
 };
 
-/// Error of differences of coordinates in addition to their own rounding, and a slack that covers underflow.
+/// Errors that turn_sign() allows for. `delta`: error of a difference of coordinates in addition to its own rounding;
+/// `tiny`: slack that covers underflow.
 template <class T>
 struct FlatError {
     T delta, tiny;
 };
 
-/// Returns the sign of the turn from a to b if it is certain, else 0.
+/// Returns the sign of the turn from a to b, two vectors in a projection, if it is certain, else 0.
 template <class T>
 CRUMPLE_HD int turn_sign(T au, T aw, T bu, T bw, const FlatError<T>& e) {
     const T m = au * bw, n = aw * bu, value = m - n;
@@ -68,8 +69,9 @@ CRUMPLE_HD bool edge_lines_separate(const Vec3<T> a[3], unsigned shared_a, const
 }
 
 /// Returns true if an edge line separates a pair in float32. Reads corners from `points` if these are float32 and so
-/// exact; otherwise from the records, whose corners were rounded when the leaf's origin was subtracted. At least one
-/// corner of each triangle must not be shared.
+/// exact; otherwise from the records, whose corners were rounded when the origin of their leaf (triangle_record.h) was
+/// subtracted. `reach`: the largest |coordinate| of the leaf's corners. At least one corner of each triangle must not
+/// be shared.
 CRUMPLE_HD inline bool separated_in_float(const Record& a, const Record& b, unsigned shared_a, unsigned shared_b,
                                           const PointRows& points, float reach) {
     const auto corner = [&](const Record& r, int k) {

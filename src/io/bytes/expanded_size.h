@@ -8,7 +8,8 @@
 
 namespace crumple::io {
 
-inline constexpr std::uint64_t always_allowed_bytes = std::uint64_t{256} << 20;  ///< bytes, allowed for any file
+inline constexpr std::uint64_t always_allowed_bytes = std::uint64_t{256}
+                                                      << 20;  ///< number of expanded bytes that is allowed for any file
 inline constexpr std::uint64_t most_ratio = 100;
 inline constexpr const char* expansion_rule =
     "to more than 256 MiB, and to more than a hundred times the size of the file";

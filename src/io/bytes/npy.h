@@ -36,7 +36,7 @@ class NpyFile {
 struct NpyHeader {
     std::endian order;
     std::string kind;  ///< type of an item: "i4", "f8", ...; another text if items are not plain numbers
-    bool by_column;    ///< Fortran order
+    bool by_column;    ///< true if the array is in Fortran order: the first index varies fastest
     std::vector<std::int64_t> shape;
 
     /// Returns the number of items, or nothing if it exceeds int64.

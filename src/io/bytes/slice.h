@@ -28,7 +28,7 @@ struct Blocks {
 
 /// One reader's part of a mesh.
 struct MeshSlice {
-    Blocks triangles, vertices;  ///< division of all rows of the file
+    Blocks triangles, vertices;  ///< division of all triangles and all vertices of the file among the readers
     /// The reader's block of triangles, with their groups, and its block of vertices. Corners are vertex indices of the
     /// whole file, so they may refer to other blocks.
     TriangleMesh mesh;

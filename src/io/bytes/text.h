@@ -56,7 +56,7 @@ inline std::optional<double> number_of(std::string_view word) {
 /// Decimal number at the start of a text.
 template <class Scalar>
 struct LeadingNumber {
-    Scalar value = 0;           ///< infinite if it overflows
+    Scalar value = 0;           ///< infinite if the number overflows, 0 if it underflows
     const char* end = nullptr;  ///< end of the number; null if there is none: nan and inf do not count
 };
 

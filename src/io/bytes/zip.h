@@ -60,8 +60,8 @@ class ZipReader {
     bool has(const std::string& name, bool any_case = false) const;
     /// Returns all bytes of an entry, or nothing if it is missing, cannot be read, or has more than `most` bytes.
     std::optional<Array<char>> expand(const std::string& name, std::uint64_t most);
-    /// Opens an entry. Returns false if it is missing, encrypted, damaged, or compressed by a method other than
-    /// deflate.
+    /// Opens an entry. Returns false if it is missing, encrypted or damaged, or if it is neither stored nor compressed
+    /// by deflate.
     bool open(const std::string& name, bool any_case = false);
     /// Reads up to `size` next bytes of the open entry; `got` is 0 at its end. Returns false if the entry is truncated
     /// or damaged; a wrong checksum is found at the end.
@@ -77,7 +77,8 @@ class ZipReader {
 
     std::string_view bytes_;
     std::vector<std::string> names_;
-    std::unique_ptr<Entries> exact_, any_case_;  ///< by name, as written or in lower case; first of equal names
+    std::unique_ptr<Entries> exact_,
+        any_case_;  ///< entries by name as written and by name in lower case; of equal names the first
     std::unique_ptr<Inflation> open_;
 };
 

@@ -31,7 +31,7 @@ std::string_view record(std::string_view bytes, std::uint64_t at, std::size_t si
     return found.starts_with(signature) ? found : std::string_view();
 }
 
-/// Returns the place of the last end record, or npos. Only a comment of at most 64 KiB may follow it.
+/// Returns the place of the last end record, or npos. Only a comment of at most 65,535 bytes may follow it.
 std::size_t find_end_record(std::string_view bytes) {
     const std::size_t at = bytes.rfind("PK\5\6"sv);
     const bool near_end = at != bytes.npos && bytes.size() - at <= end_record + UINT16_MAX;
@@ -41,7 +41,7 @@ std::size_t find_end_record(std::string_view bytes) {
 /// Place of the list of entries in the file, in bytes.
 struct EntryList {
     std::uint64_t begin = 0, size = 0;
-    std::uint64_t moved = 0;  ///< bytes put before the archive: add to the offsets it states
+    std::uint64_t moved = 0;  ///< number of bytes put before the archive, to be added to all offsets in it
 };
 
 /// Finds the list of entries. Returns false if the end records contradict each other or the size of the file.
@@ -121,7 +121,7 @@ struct ZipReader::Inflation {
     }
 
    private:
-    static constexpr std::size_t max_bytes_per_call = std::size_t{1} << 30;  // zlib counts in 32 bits
+    static constexpr std::size_t max_bytes_per_call = std::size_t{1} << 30;  // zlib counts bytes in 32 bits
 
     bool inflate_to(char* to, std::size_t size, std::size_t& got) {
         stream.next_out = reinterpret_cast<Bytef*>(to);

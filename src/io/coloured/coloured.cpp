@@ -1,5 +1,4 @@
-// Writes meshes with colliding triangles coloured: joins one or two meshes into one soup, and chooses the format by
-// extension.
+// Writes meshes with colliding triangles coloured: joins two meshes into one, and chooses the format by extension.
 
 #include <algorithm>
 #include <cerrno>
@@ -17,7 +16,8 @@ namespace crumple::io {
 
 namespace {
 
-/// Appends corners or ids of the second mesh, which are shifted to follow those of the first.
+/// Appends `more`, vertex or polygon ids of the second mesh. Adds `shift` to each, the number of such ids of the first
+/// mesh.
 void append(std::vector<std::int32_t>& to, const std::vector<std::int32_t>& more, std::int64_t shift) {
     for (const std::int32_t value : more) to.push_back(static_cast<std::int32_t>(value + shift));
 }

@@ -28,7 +28,7 @@ constexpr std::array<Colour, 9> shades{{free_colour,
                                         {255, 255, 204}}};
 constexpr double untouched = std::numeric_limits<double>::infinity();
 
-/// For each feature of one mesh, the least value among the rows that name the feature.
+/// Least value of each feature of one mesh, over all rows that name the feature.
 class Least {
    public:
     explicit Least(const TriangleMesh& mesh)
@@ -92,8 +92,8 @@ void add(std::vector<Least>& meshes, const FeatureRow& row, double value) {
     add_feature(second, 1, first_ids(row.kind));
 }
 
-/// Returns the shade of each triangle: 0 (grey) if it is in no row, else from 1 for the least values to 8 for those
-/// near `most`.
+/// Returns the shade of each triangle: 0 (grey) if no row names the triangle, one of its edges or one of its vertices;
+/// else from 1 for the least values to 8 for those near `most`.
 Array<std::uint8_t> shades_of(const TriangleMesh& mesh, const Least& least, double most) {
     Array<std::uint8_t> result;
     constexpr double steps = shades.size() - 1;

@@ -2,8 +2,8 @@
 //
 // The surface is computed for the picture alone. A row of the overlaps names two bodies that overlap, or one body that
 // overlaps itself. A search for intersections returns the segments in which the bodies of a row cross. Triangles are
-// cut along these segments, and a piece is part of the surface if its middle lies inside the other body of a row. So
-// the triangles of the picture have other indices than those of the bodies.
+// cut along these segments, and a piece is part of the surface if its middle lies inside the other body of a row, or in
+// the common area of two triangles. So the triangles of the picture have other indices than those of the bodies.
 
 #include <algorithm>
 #include <map>
@@ -31,7 +31,7 @@ struct TriangleContacts {
     std::vector<CommonPolygon> areas;
 };
 
-/// For one body of a row: the other body of this row.
+/// Second body of a row, as seen from one of the row's bodies; the same body if it overlaps itself.
 struct OtherBody {
     std::int32_t body;
     bool both_closed;  ///< false if a body of the row is not closed (OverlapRelation::undefined)
@@ -41,8 +41,8 @@ struct OtherBody {
 struct CutBody {
     std::vector<Vec3d> points;
     std::vector<std::int32_t> corners;                  ///< corners of its triangles before these are cut
-    std::map<std::int32_t, TriangleContacts> contacts;  ///< by triangle
-    std::vector<OtherBody> others;  ///< one per row that names this body; the body itself if it overlaps itself
+    std::map<std::int32_t, TriangleContacts> contacts;  ///< contacts of each triangle that has any
+    std::vector<OtherBody> others;                      ///< one per row that names this body
     std::optional<PictureWindings> rays;
 };
 

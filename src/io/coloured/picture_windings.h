@@ -31,7 +31,7 @@ class PictureWindings {
     template <class Take>
     void for_each_cell(std::int32_t triangle, Take take) const;
 
-    std::vector<Vec3d> points_;  ///< rotated: z along the rays, x and y across them
+    std::vector<Vec3d> points_;  ///< points in rotated coordinates: z along the rays, x and y across them
     std::span<const std::int32_t> corners_;
     Vec3d low_{}, high_{};
     std::int32_t size_ = 1;  ///< cells in a row, and in a column

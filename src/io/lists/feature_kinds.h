@@ -34,8 +34,8 @@ enum class Feature : std::uint8_t { vertex, edge, face };
 
 /// Names and columns of one kind.
 struct KindInFiles {
-    std::string_view keyword;            ///< first word of rows
-    std::string_view array;              ///< name of the array of pairs
+    std::string_view keyword;            ///< first word of the rows of this kind in .txt and .csv
+    std::string_view array;              ///< name of the array of pairs in .json and .npz
     std::array<Feature, 2> features;     ///< types of the two features
     std::array<std::size_t, 4> columns;  ///< columns of a row's ids in a .csv of kind,vertex,face,a,b,c,d
 };

@@ -11,7 +11,7 @@ namespace {
 
 /// Pairs of one kind.
 struct PairsOfKind {
-    bool listed = false;  ///< the result has this kind: its arrays are written even if they are empty
+    bool listed = false;  ///< true if the result has this kind: its arrays are then written even if they are empty
     std::span<const Pair> pairs;
     std::span<const BodyPair> bodies;
     std::span<const double> values;
@@ -21,10 +21,10 @@ struct PairsOfKind {
 /// Common view of a result: impacts, near pairs or candidates.
 struct FeatureLists {
     FeatureWords words;
-    std::array<PairsOfKind, candidate_kinds> lists;  ///< by CandidateKind
+    std::array<PairsOfKind, candidate_kinds> lists;  ///< pairs of each CandidateKind
     std::span<const Edge> edges;
     std::span<const std::int64_t> first_edge;
-    std::span<const std::int32_t> points;  ///< codimensional points, as in Impacts
+    std::span<const std::int32_t> points;  ///< vertices of codimensional (listed) points: Impacts::points
     std::span<const std::int64_t> first_point;
     const Statistics* statistics;
     const FirstImpact* first = nullptr;  ///< null unless these are impacts

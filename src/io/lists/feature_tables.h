@@ -15,8 +15,9 @@ namespace crumple::io {
 
 /// Names of the columns that differ between lists, and flags for the optional columns and kinds of pairs.
 struct FeatureWords {
-    std::string_view what;         ///< names the results in messages
-    std::string_view value, flag;  ///< names of columns and arrays; candidates have neither
+    std::string_view what;  ///< names the results in messages
+    std::string_view value,
+        flag;  ///< names of the columns and arrays of values and flags; empty for candidates, which have none
     bool text_has_flag;
     bool has_edge_faces, has_face_faces;  ///< the list may have pairs of these kinds
 

@@ -25,7 +25,8 @@ struct ListTable {
     std::function<std::vector<ListMember>()> members;
 };
 
-/// Write a list in one of the four formats. Throw Error (file, invalid_argument).
+/// Write a list as .txt, .csv, .json or .npz. With PairFormat::automatic, the extension of the path selects the format,
+/// and a stream receives text. Throw Error (file, invalid_argument).
 void write_list(const std::filesystem::path& path, const ListTable& list, PairFormat format);
 void write_list(std::ostream& out, const ListTable& list, PairFormat format);
 
@@ -47,9 +48,9 @@ class ListWriter {
 
 /// Description of the table that a file must hold, and the functions that consume its rows or arrays.
 struct ListReader {
-    RowTable rows;  ///< for .txt and .csv
+    RowTable rows;  ///< table of the rows of .txt and .csv
     ConsumeRow consume_row;
-    std::vector<ListArray> arrays;  ///< for .json and .npz
+    std::vector<ListArray> arrays;  ///< arrays of .json and .npz
     std::function<void(const NumbersByName&)> consume_arrays;
     bool reads_npy = false;  ///< true if .npy files are accepted; they hold arrays[0]
 };

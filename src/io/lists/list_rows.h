@@ -33,7 +33,7 @@ enum class FieldType : std::uint8_t { id, id_of_body, number, flag, word };
 /// Description of one value in the rows of a section.
 struct ListField {
     FieldType type;
-    std::size_t column;              ///< place in a row of .csv
+    std::size_t column;              ///< index of its column in .csv, from 0
     std::string_view noun = {};      ///< names an id in messages: "face"
     bool is_written_as_text = true;  ///< false: .txt omits it
     bool may_be_nan = false;         ///< for numbers: an empty cell of a .csv means NaN
@@ -64,7 +64,7 @@ class RowWriter {
     Sink sink_;
     const RowTable& table_;
     bool csv_;
-    std::vector<const ListValue*> cells_;  ///< values of a row; null: an empty cell
+    std::vector<const ListValue*> cells_;  ///< scratch: values of the cells of a row; null: an empty cell
 };
 
 /// Returns the text of a .csv cell. Puts it in quotes if it has a comma, a quote or a line end, or a blank at either

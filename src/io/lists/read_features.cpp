@@ -17,7 +17,7 @@ std::string check_value(const FeatureRow& row, const FeatureWords& words) {
     return {};
 }
 
-/// Reader of one list.
+/// Reader of one list of impacts, near pairs or candidates.
 template <class List>
 class FeatureReader {
    public:
@@ -69,8 +69,8 @@ class FeatureReader {
             fail("it has none of the arrays \"vertex_faces\", \"edge_edges\" and so on");
         for (const CandidateKind kind : kinds_) {
             // Some kinds may have no arrays in the file. Lists of candidates have only the requested kinds. Lists of
-            // impacts and near pairs may lack pairs of codimensional features and pairs of triangles, and lists of
-            // impacts may have pairs of triangles only.
+            // impacts and near pairs may lack pairs of triangles, and pairs of the kinds that occur only if edges or
+            // points are listed, and lists of impacts may have pairs of triangles only.
             const bool may_lack =
                 !words_.has_values() || has(CandidateKind::face_face) || kind >= CandidateKind::face_face;
             if (!may_lack || has(kind)) add(numbers, kind);

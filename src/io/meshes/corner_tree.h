@@ -54,7 +54,7 @@ class CornerTree {
    private:
     static constexpr int leaf_size = 8;
     struct Node {
-        int begin = 0, end = 0;  ///< in `corners_`
+        int begin = 0, end = 0;  ///< range of the node in `corners_`
         int left = 0;            ///< number of corners of the range that have not been removed
         int child = -1;          ///< index of the first of two child nodes; -1: a leaf
         int next = -1;           ///< for a first child, index of the second child of the same parent

@@ -1,6 +1,6 @@
 // Reader and writer of PLY: a header that announces elements, then the rows of each. The reader reads the rows of
-// `vertex`, `face` and `tristrips` and skips the rest; a file without faces is a point cloud. Before rows are allocated
-// or read, their announced count is compared with the bytes left.
+// `vertex`, `face` and `tristrips` and skips the rest; the vertices of a file without triangles are points, if these
+// are requested. Before rows are allocated or read, their announced count is compared with the bytes left.
 
 #include <algorithm>
 #include <array>
@@ -230,7 +230,7 @@ class BodyReader {
     Body body_;
     const PlyElement& vertex_;
     std::array<const PlyProperty*, 3> xyz_;
-    const PlyElement* face_;  ///< null if the file has no faces; the same for `strips_`
+    const PlyElement* face_;  ///< null if there is no element `face`; `strips_` likewise
     const PlyProperty* corners_;
     const PlyElement* strips_;
     const PlyProperty* strip_corners_;
@@ -259,7 +259,7 @@ void write_header(Sink& sink, const TriangleMesh& mesh, std::int64_t faces, bool
     sink << "end_header\n";
 }
 
-/// Writes a mesh, with colours unless `hit` is null.
+/// Writes a mesh, with colours unless `hit`, the flags per triangle, is null.
 void write(std::ostream& out, const TriangleMesh& mesh, bool polygons, const std::vector<std::uint8_t>* hit,
            std::span<const Material> materials = {}) {
     using Corners = std::span<const std::int32_t>;

@@ -53,7 +53,7 @@ struct PlyElement {
     std::string name;
     std::int64_t count = 0;
     std::vector<PlyProperty> properties;
-    const char* place = nullptr;  ///< its line in the header, for errors
+    const char* place = nullptr;  ///< start of its line in the header, for errors
 
     /// Returns the property with one of these names, or null. Throws Error if there are two.
     const PlyProperty* find(const Source& source, std::initializer_list<std::string_view> names) const;

@@ -49,8 +49,9 @@ struct Layout {
     Rows vertices, faces;
 };
 
-/// Returns where the rows of vertices and faces lie, or nothing if rows have no fixed length, or if their total length
-/// is not that of the file. Throws Error if the header names an element or a property twice.
+/// Returns where the rows of vertices and faces lie. Returns nothing if the file is text, has no faces or has triangle
+/// strips, if a property that is read is missing or has an unsuitable type, if rows have no fixed length, or if their
+/// total length is not that of the file. Throws Error if the header names an element or a property twice.
 std::optional<Layout> layout_of(const RowFile& file, const Source& beginning, const PlyHeader& header,
                                 const std::string& group_property) {
     const PlyElement* const vertex = header.find(beginning, "vertex");

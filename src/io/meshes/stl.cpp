@@ -1,7 +1,7 @@
 // Reader and writer of STL: triangles by their coordinates. Binary files have 80 arbitrary bytes, a count, and 50 bytes
 // per triangle (normal, three vertices, 16 bits). Text files have `solid`, facets and `endsolid` for each solid. The
 // reader skips normals. Both kinds may begin with "solid": a file is binary if its size is exactly the size that its
-// count implies, or if it has a zero byte near its beginning.
+// count implies, or if one of its first 512 bytes is zero.
 
 #include <algorithm>
 #include <array>

@@ -18,9 +18,9 @@ namespace crumple::io {
 class Triangulator {
    public:
     /// Triangulates the polygon of these n corners, four or more. `ears` must be empty. Fills it with 3 (n - 2) indices
-    /// of corners, or leaves it empty if the fan around the first corner is a valid triangulation. Returns false if the
-    /// polygon crosses or overlaps itself: the caller then uses the fan. Points may repeat, for example where a slit
-    /// joins a hole to the outline. Cost: usually O(n log n), at worst O(n^2).
+    /// of corners, or leaves it empty if the fan around the first corner is a valid triangulation, or if the polygon
+    /// has no area. Returns false if the polygon crosses or overlaps itself: the caller then uses the fan. Points may
+    /// repeat, for example where a slit joins a hole to the outline. Cost: usually O(n log n), at worst O(n^2).
     bool cut(std::span<const Vec3d> points, std::vector<std::int32_t>& ears);
 
    private:
@@ -50,8 +50,8 @@ class Triangulator {
     int count_ = 0;
     int axis_ = 2;          ///< coordinate axis of projection
     int sign_ = 1;          ///< 1 if the projected corners run counter-clockwise, else -1
-    bool exact_ = true;     ///< floating-point expansions of all coordinates are exact
-    bool touches_ = false;  ///< the outline touches itself, except where successive edges join
+    bool exact_ = true;     ///< true if all coordinates are in the range in which floating-point expansions are exact
+    bool touches_ = false;  ///< true if the outline touches itself other than where successive edges join
     CornerTree not_convex_;
     std::vector<int> before_, after_;  ///< previous and next corner of each one that is not cut off
     std::vector<std::int8_t> turns_;   ///< per corner: 1 convex, 0 straight, -1 reflex; 2 once cut off

@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::string_view model_relationship = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
 constexpr std::size_t deepest = 64;  // levels of nested components
-/// Number of references to objects that any file may have. A file may have more, up to its uncompressed size in bytes.
-/// Without a limit, nested components of a few lines could refer to more bodies than fit in memory.
+/// Number of references to objects that a file of any size may have. Larger files may have as many as they have
+/// uncompressed bytes. Without a limit, nested components of a few lines could refer to more bodies than fit in memory.
 constexpr std::uint64_t always_named = std::uint64_t{1} << 16;
 
 class Assembler {

@@ -29,7 +29,7 @@ class GltfObject {
     const std::string& place() const { return place_; }
     bool has(const char* key) const { return value_->contains(key); }
     /// Return the member `key`. Throw Error (format) if its value is of another kind.
-    std::optional<std::int64_t> integer(const char* key) const;  ///< 0 or more
+    std::optional<std::int64_t> integer(const char* key) const;  ///< an integer of 0 or more
     std::int64_t integer_or(const char* key, std::int64_t otherwise) const { return integer(key).value_or(otherwise); }
     std::int64_t required_integer(const char* key) const;
     bool flag(const char* key) const;
@@ -37,7 +37,7 @@ class GltfObject {
     std::optional<GltfObject> object(const char* key) const;
     std::size_t size_of(const char* key) const;                  ///< length of a list; 0 if missing
     GltfObject object_of(const char* key, std::size_t i) const;  ///< item of a list of objects
-    std::vector<std::int64_t> integers(const char* key) const;   ///< each 0 or more
+    std::vector<std::int64_t> integers(const char* key) const;   ///< integers of 0 or more
     std::vector<double> numbers(const char* key) const;
     std::vector<double> numbers(const char* key, std::size_t count) const;  ///< exactly `count`, or none if missing
     std::vector<std::string> texts(const char* key) const;

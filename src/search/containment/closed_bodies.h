@@ -75,7 +75,7 @@ class ClosedBodies {
     BodyFilter rules_;
     NearBodies near_;
     SceneBuffers buffers_;
-    std::vector<std::unique_ptr<Surface>> surfaces_;  ///< by shape; cached
+    std::vector<std::unique_ptr<Surface>> surfaces_;  ///< by shape; cached between calls
 };
 
 }  // namespace crumple

@@ -100,7 +100,7 @@ ContainedBodies::Casts ContainedBodies::casts_of(ParallelFor& workers, std::span
 }
 
 // Adds the rays of one pair from body `of` through the faces of body `through`. A component with a vertex outside of
-// the box of `through` lies outside, and needs no ray.
+// the box of `through` lies outside, and needs no ray. No rays are added if the surface of `through` is not closed.
 void ContainedBodies::add_casts(std::int32_t of, std::int32_t through, std::size_t pair, Casts& casts) const {
     if (!bodies_.is_closed(through)) return;
     if (weld_ && add_casts_between_welded(of, through, pair, casts)) return;

@@ -32,8 +32,8 @@ class ContainedBodies {
     ContainedBodies(MemoryMeter& meter, Cancellation& cancellation, const ClosedBodies& bodies, bool weld)
         : meter_(meter), cancellation_(cancellation), bodies_(bodies), weld_(weld) {}
 
-    /// Adds to the result each of `pairs` of which one body has a component inside the other. Call leave_undecided() on
-    /// the pairs first.
+    /// Records in the result which of `pairs` have one body with a component inside the other: adds each such pair if
+    /// the output is body_pairs, else sets the flag, or the flags of worlds. Call leave_undecided() on the pairs first.
     void add(ParallelFor& workers, std::span<const BodyPair> pairs, Output output, Intersections& result) const;
 
    private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Surface of a body under its pose.
+// Surface of a body under its pose, for winding numbers and overlaps.
 
 #include <array>
 #include <cmath>

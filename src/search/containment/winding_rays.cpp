@@ -8,8 +8,9 @@
 namespace crumple {
 namespace {
 
-/// Returns the contribution of a face of a shifted surface to the winding number at p: the sign with which the ray
-/// along +x from p crosses the face, or 0. Computed by filters and expansions.
+/// Returns the contribution to the winding number at p of a face that is shifted infinitesimally
+/// (exact/overlap/face_crossing.h): the sign with which the ray along +x from p crosses the face, or 0. Computed by
+/// filters and expansions.
 int filtered_winding_along_ray(const Vec3d& p, const FaceCorners& face, Shift shift) {
     const int along = orient2d(face[0], face[1], face[2], 0);
     if (along == 0) return 0;

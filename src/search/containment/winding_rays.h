@@ -15,7 +15,7 @@ namespace crumple {
 /// Ray along +x.
 struct WindingRay {
     Vec3d from;
-    std::size_t of;        ///< the caller's index for this ray
+    std::size_t of;        ///< an index that the caller chooses, to recognise the ray
     std::int32_t winding;  ///< sum over the faces tested so far; initially 0
 };
 

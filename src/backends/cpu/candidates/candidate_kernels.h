@@ -1,7 +1,9 @@
 #pragma once
 
 // Inner loop of candidate queries on the cpu, as tables like those of the stages (backends/cpu/stages/kernels.h): one
-// in plain C++, and one for each SIMD instruction set (candidate_lanes.cpp). All tables list the same pairs.
+// in plain C++, and one for each SIMD instruction set (candidate_lanes.cpp). All tables list the same pairs. A leaf is
+// a small set of triangles that one sweep searches. Its candidates are the pairs of triangles, a row and a column of
+// the sweep, whose boxes overlap (stages/layout.h).
 
 #include <array>
 #include <bit>
@@ -31,11 +33,12 @@ struct LaneSteps {
 
     /// Pair of features that a bit stands for.
     struct Listed {
-        std::uint8_t kind, row, column;   ///< kind of the pair, and its lanes
+        std::uint8_t kind, row, column;   ///< CandidateKind, and the lanes of its features in row and column
         bool column_first, lesser_first;  ///< the column's feature, or the lower id, comes first; else the row's does
     };
     Listed listed[8 * most] = {};
-    /// Bits of the pairs of features with a common vertex, indexed by SharedCorners::bits().
+    /// Bits of the tests whose features have a common vertex, indexed by SharedCorners::bits() of the row and the
+    /// column.
     std::uint64_t incident[512] = {};
 
     bool has_impact_kinds_only = false;  ///< true if exactly vertex_face and edge_edge are requested
@@ -43,7 +46,7 @@ struct LaneSteps {
     explicit LaneSteps(const RequestedKinds& kinds = {});
 };
 
-/// Writes the pairs that the bits stand for, and advances `next`.
+/// Writes the pairs of features of a (row) and b (column) that the bits stand for (LaneSteps), and advances `next`.
 inline void list_pairs(std::uint64_t bits, const LaneSteps& rounds, const CandidateRecord& a, const CandidateRecord& b,
                        PairEnds& next) {
     for (; bits; bits &= bits - 1) {
@@ -57,17 +60,17 @@ inline void list_pairs(std::uint64_t bits, const LaneSteps& rounds, const Candid
 /// Pairs of features of a row and a column whose boxes may or may not overlap: some of their rounded coordinates (keys,
 /// candidate_record.h) are equal, which decides nothing.
 struct UncertainTests {
-    std::uint64_t bits;         ///< see Rounds
+    std::uint64_t bits;         ///< mask of tests, as in LaneSteps
     std::uint16_t row, column;  ///< as in CandidateChunk
 };
 
 struct CandidateKernels {
-    static constexpr std::int64_t most = 256;  ///< number of candidates per call
+    static constexpr std::int64_t most = 256;  ///< largest number of candidates per call
 
-    /// Tests the candidates [begin, end). Appends the pairs of features whose boxes certainly overlap, and which are
-    /// not incident, to the lists that end at `next`, and advances `next`. Writes candidates with uncertain pairs to
-    /// `unsure`, and returns their number. `record`: by physical row. May write one more element of `unsure`, and eight
-    /// more pairs of each kind.
+    /// Tests the candidates [begin, end). Appends the pairs of features whose boxes certainly overlap, and which have
+    /// no common vertex, to the lists that end at `next`, and advances `next`. Writes candidates with uncertain pairs
+    /// to `unsure`, and returns their number. `record`: the leaf's records by physical row (stages/layout.h). May write
+    /// one more element of `unsure`, and eight more pairs of each kind.
     std::size_t (*find)(const CandidateRecord* record, const CandidateChunk& candidates, std::int64_t begin,
                         std::int64_t end, const LaneSteps& rounds, PairEnds& next, UncertainTests* unsure);
 };

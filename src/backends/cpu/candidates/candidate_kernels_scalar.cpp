@@ -1,4 +1,4 @@
-// Inner loop of candidate queries in plain C++, and the rounds that all tables share.
+// Inner loop of candidate queries in plain C++, and the schedule of tests (LaneSteps) that all tables share.
 
 #include <algorithm>
 

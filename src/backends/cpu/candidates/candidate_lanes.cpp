@@ -1,7 +1,7 @@
 // Inner loop of candidate queries, one table for each instruction set, from one source: Highway includes this file once
-// per target. Eight features of the row are tested against the eight lanes of the column at once, by the largest of six
-// gaps. With AVX-512, a query for vertex_face and edge_edge tests all their pairs of lanes at once, and writes them at
-// once.
+// per target. In each round (LaneSteps), eight pairs of features are tested at once, by the largest of six gaps between
+// their boxes, two on each axis. With AVX-512, a query for vertex_face and edge_edge tests all their pairs of lanes at
+// once, and writes them at once.
 
 #include <span>
 
@@ -131,7 +131,8 @@ struct ImpactKindTests {
     alignas(64) std::int32_t column[16] = {3, 4, 5, 3, 4, 5, 3, 4, 5, 6, 6, 6, 0, 1, 2, 7};
     /// Indices that interleave the first eight lanes of two vectors.
     alignas(64) std::int32_t zip[16] = {0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23};
-    std::uint16_t incident[512] = {};  ///< as in Rounds
+    /// Bits of the tests whose features have a common vertex, indexed by SharedCorners::bits().
+    std::uint16_t incident[512] = {};
 
     ImpactKindTests() {
         for (unsigned shared = 0; shared < 512; ++shared)
@@ -139,7 +140,7 @@ struct ImpactKindTests {
                 if (SharedCorners(shared).incident(row[bit], column[bit]))
                     incident[shared] = static_cast<std::uint16_t>(incident[shared] | 1 << bit);
     }
-    /// Converts bits of Impacts to bits of Rounds.
+    /// Converts bits that are indices in `row` and `column` to bits of LaneSteps.
     std::uint64_t in_schedule(unsigned bits, const LaneSteps& rounds) const {
         std::uint64_t out = 0;
         for (; bits; bits &= bits - 1) {

@@ -23,7 +23,8 @@ class CandidateLeaves final : public LeafQuery {
 
     /// Sets the request of the next search, which begin() starts. `query` must stay valid until the search ends.
     void ask(const FeatureRequest& query);
-    /// Delivers all candidates to a stream, unit by unit, until the next request is set.
+    /// Delivers all candidates to a stream, unit by unit (RowStream: queries/row_stream.h), until the next request is
+    /// set.
     void deliver_to(FeatureStream& stream) { stream_ = &stream; }
 
     void begin(const Call& call) override;
@@ -53,9 +54,9 @@ class CandidateLeaves final : public LeafQuery {
     struct Worker {
         explicit Worker(MemoryMeter* m);
         Array<CandidateRecord> built;   ///< in the order of LeafMembers
-        Array<CandidateRecord> sorted;  ///< by physical row
+        Array<CandidateRecord> sorted;  ///< by physical row (stages/layout.h)
         CandidateChunk candidates;
-        Array<UncertainTests> unsure;  ///< uncertain pairs of a batch
+        Array<UncertainTests> unsure;  ///< candidates of a batch with uncertain pairs
         RowLists found;
         std::int64_t unit = 0;  ///< unit of a stream that the pairs belong to
         Statistics statistics;
@@ -79,7 +80,7 @@ class CandidateLeaves final : public LeafQuery {
     // Current call:
     const Call* call_ = nullptr;
     const FeatureRequest* query_ = nullptr;
-    FeatureStream* stream_ = nullptr;  ///< null: candidates stay with the workers
+    FeatureStream* stream_ = nullptr;  ///< receives the candidates; null: each worker keeps its own (found())
     Normaliser normaliser_;
     LaneSteps rounds_;
 };

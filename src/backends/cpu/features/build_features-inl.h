@@ -1,6 +1,6 @@
-// Records and boxes of a leaf's members, one triangle in each block of 128 bits of a vector: SIMD versions
-// (counterparts) of the functions in filters/features/feature_record.h. Integer template arguments are the number of
-// time samples: 1 for static scenes, 2 for motion.
+// Records and boxes of the members of a leaf (small set of triangles that one sweep searches), one triangle in each
+// block of 128 bits of a vector: SIMD versions (counterparts) of the functions in filters/features/feature_record.h.
+// Integer template arguments are the number of time samples: 1 for static scenes, 2 for motion.
 
 #if defined(CRUMPLE_FEATURES_CPU_BUILD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_FEATURES_CPU_BUILD_INL_H_
@@ -119,7 +119,8 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
 
         if (lanes.any_big(size)) {
             lanes.replace_big(in, i, box, size, boxes, bounds, rewrite_big);
-            more = hn::IfThenElseZero(hn::Le(box.low, box.high), more);  // boxes of big members are empty by now
+            more = hn::IfThenElseZero(hn::Le(box.low, box.high),
+                                      more);  // boxes of big members (geometry/leaf_frame.h) are empty by now
         }
         lanes.count(box, hn::Add(size, more));
     }

@@ -3,8 +3,10 @@
 // Inner loops of queries about features (vertices, edges, faces) on the cpu, as tables of functions like those of the
 // stages (backends/cpu/stages/kernels.h), by number of time samples: one for proximities, two for impacts. There is one
 // pair of tables in plain C++ (feature_kernels_scalar.cpp, from the per-pair sources that host and device share), and
-// one for each SIMD instruction set (feature_lanes.cpp). A test is a pair of features that may belong to the result. No
-// table drops a test that does; tables may differ in the other tests that they drop.
+// one for each SIMD instruction set (feature_lanes.cpp). A leaf is a small set of triangles that one sweep searches.
+// Its candidates are the pairs of triangles, a row and a column of the sweep, whose boxes overlap (stages/layout.h). A
+// test is a pair of features that may belong to the result. No table drops a test that does; tables may differ in the
+// other tests that they drop.
 
 #include <algorithm>
 #include <cstdint>
@@ -41,7 +43,7 @@ struct RequestedDistance {
 template <int moments>
 struct PairsLeft {
     const FeatureRecord<moments>*rows, *columns;
-    const std::uint32_t* packed;  ///< column << 16 | row
+    const std::uint32_t* packed;  ///< for each pair: column << 16 | row, as indices into `columns` and `rows`
     std::size_t count;
 
     const FeatureRecord<moments>& row(std::size_t i) const { return rows[packed[i] & 0xffff]; }
@@ -81,8 +83,8 @@ struct FeatureKernels {
     std::size_t (*separate)(const Record* record, const CandidateChunk& candidates, const NeededGap& gap,
                             std::uint32_t* left);
 
-    /// Lists the tests of pairs. `names`: representative vertices, by which two vertices are compared; null: vertices
-    /// themselves.
+    /// Lists the tests of pairs. `names`: the representative of each vertex, equal for vertices that welding merges;
+    /// null: no vertices are merged.
     void (*list)(const PairsLeft<moments>& pairs, const std::int32_t* names, TestList& vertex_face,
                  TestList& edge_edge);
 
@@ -104,8 +106,8 @@ struct FeatureTables {
     FeatureKernels<2> moving;
 
     /// Computes the squared distance of each pair of features in a batch, rounded to nearest. Writes NaN for a pair
-    /// that touches, or whose distance lanes cannot round with certainty. `squared` must have capacity for a full
-    /// vector of lanes past the last pair.
+    /// that touches, or for which SIMD lanes cannot round the distance with certainty. `squared` must have capacity for
+    /// a full vector of lanes past the last pair.
     void (*squared)(const GuessBatch& batch, double* squared);
 
     template <int moments>

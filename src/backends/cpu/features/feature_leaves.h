@@ -1,8 +1,9 @@
 #pragma once
 
-// Queries about features (vertices, edges, faces) as a LeafQuery. A leaf's candidates are pairs of triangles. A pair
-// that no direction separates stands for tests: pairs of a feature that one triangle owns and one that the other owns.
-// Filters drop most tests, and the remaining ones are decided exactly.
+// Queries about features (vertices, edges, faces) as a LeafQuery. A leaf is a small set of triangles that one sweep
+// searches; its candidates are pairs of them whose inflated boxes overlap. A pair that no direction separates stands
+// for tests: pairs of a feature that one triangle owns and one that the other owns. Filters drop most tests, and the
+// remaining ones are decided exactly.
 
 #include <atomic>
 #include <memory>
@@ -27,7 +28,7 @@ class FeatureLeaves final : public LeafQuery {
     /// coordinates, rounded up; `radius`: FeatureRequest::radii likewise, 1 per vertex, or null. `query` and `radius`
     /// must stay valid until the search ends.
     void ask(const FeatureRequest& query, float distance, const float* radius);
-    /// Delivers all hits to a stream, unit by unit, until the next request is set.
+    /// Delivers all hits to a stream, unit by unit (RowStream: queries/row_stream.h), until the next request is set.
     void deliver_to(FeatureStream& stream) { stream_ = &stream; }
 
     void begin(const Call& call) override;
@@ -63,13 +64,14 @@ class FeatureLeaves final : public LeafQuery {
               hits(m) {}
         GuessBatch guesses;
         Array<Record> built;   ///< in the order of LeafMembers
-        Array<Record> sorted;  ///< by physical row
+        Array<Record> sorted;  ///< by physical row (stages/layout.h)
         float reach = 0;       ///< the leaf's largest |coordinate|
-        float farthest = 0;    ///< largest distance requested for a pair of the leaf
+        float farthest = 0;    ///< largest distance requested for a pair of the leaf, apart from a share of the pair's
+                               ///< distance at the start
         CandidateChunk candidates;
-        Array<std::uint32_t> left;                   ///< candidates that no direction separates, packed
+        Array<std::uint32_t> left;                   ///< candidates that no direction separates, packed as in PairsLeft
         Array<float> distance;                       ///< requested distance of each test, if vertices have radii
-        std::array<Array<std::uint32_t>, 2> listed;  ///< see TestList
+        std::array<Array<std::uint32_t>, 2> listed;  ///< for TestList::test: of vertex_face and of edge_edge
         std::array<Array<FeatureTest>, feature_kinds> tests;
         RowLists hits;
         std::int64_t unit = 0;  ///< unit of a stream that the hits belong to
@@ -99,16 +101,16 @@ class FeatureLeaves final : public LeafQuery {
     // Current call:
     const Call* call_ = nullptr;
     const FeatureRequest* query_ = nullptr;
-    FeatureStream* stream_ = nullptr;  ///< null: hits stay with the workers
+    FeatureStream* stream_ = nullptr;  ///< receives the hits; null: each worker keeps its own (found())
     float distance_ = 0, share_ = 0;
     const float* radius_ = nullptr;
     std::atomic<bool> any_{false};
+    static constexpr std::uint64_t no_place = UINT64_MAX;  ///< rank of no pair: above all others
     /// Rank (place_of()) of the first pair found that touches at time 0, if only the first impact is requested: no
     /// impact is earlier, so pairs of higher rank need not be decided. Faces that slide within a plane touch all over
     /// at time 0, and are slow to decide.
-    static constexpr std::uint64_t no_place = UINT64_MAX;
     std::atomic<std::uint64_t> first_at_start_{no_place};
-    std::atomic<std::uint64_t> first_time_{0};  ///< bits of the earliest toi found so far, or of 1
+    std::atomic<std::uint64_t> first_time_{0};  ///< bits of the earliest toi found so far as a float64 number, or of 1
 };
 
 extern template class FeatureLeaves<1>;

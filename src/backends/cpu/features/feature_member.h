@@ -1,6 +1,7 @@
 #pragma once
 
-// Steps of `build` for one member of a leaf, for queries about features.
+// Steps of `build` for one member of a leaf (small set of triangles that one sweep searches), for queries about
+// features.
 
 #include "backends/cpu/stages/layout.h"
 #include "filters/features/feature_record.h"
@@ -19,7 +20,7 @@ void corners_of(const BuildInput& in, std::int32_t triangle, Vec3d (&p)[3 * mome
     }
 }
 
-/// Returns the inflation of a triangle's box. `p`: see corners_of().
+/// Returns the length by which a triangle's box is inflated on all sides. `p`: see corners_of().
 template <int moments>
 float widening(const BuildInput& in, std::int32_t triangle, const Vec3d (&p)[3 * moments]) {
     float way = 0;

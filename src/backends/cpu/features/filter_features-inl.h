@@ -165,7 +165,7 @@ HWY_INLINE auto plane_is_far(const Seen<V, 1>& seen, V magnitude, V distance) {
 template <class V, int moments>
 struct TestBatch {
     Seen<V, moments> seen;
-    Point<V> reach;  ///< sum of seen.reach() of the three vectors
+    Point<V> reach;  ///< sum of seen.reach(i) over the three vectors
     V magnitude;     ///< bound on the sum of the magnitudes of the monomials of the vectors' determinant
     V asked;         ///< requested distance, times `up`, which covers roundings
 };

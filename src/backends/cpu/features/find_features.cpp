@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::int64_t features_at_once = 4096;
 
-// Sorts rows: by first feature in a counting sort, then the rows of each first feature by the second, on all threads.
+// Sorts rows: by first feature in a counting sort on this thread, then the rows of each first feature by the second one
+// on all threads.
 void write_rows(std::span<const FeatureRows* const> found, std::int64_t firsts, Workers& workers,
                 FeatureBuffers& buffers, FeatureRows& rows) {
     Array<std::int64_t>& place = buffers.place;

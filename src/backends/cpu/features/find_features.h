@@ -25,8 +25,8 @@ struct FeatureBuffers {
     CandidateBuffers candidates;
     Array<float> vertex_radius, triangle_radius;  ///< FeatureRequest::radii in normalised coordinates, rounded up
     // For stage `output`, except that of candidates:
-    Array<std::int64_t> place;  ///< first row of each first feature
-    Array<FeatureHit> placed;
+    Array<std::int64_t> place;  ///< by first feature: its first row; then the number of rows
+    Array<FeatureHit> placed;   ///< rows, grouped by first feature
 };
 
 /// Returns the inflation of triangles in the normalised coordinates of the scene: rounded up, and capped at a length

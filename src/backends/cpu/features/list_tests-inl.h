@@ -19,7 +19,8 @@ namespace crumple::cpu::features {
 namespace HWY_NAMESPACE {
 using namespace cpu::HWY_NAMESPACE;  // helpers shared with the stages
 
-/// Representative vertices of the corners, and ownership bits, of one triangle per lane.
+/// Representatives of the corners' vertices (equal for vertices that welding merges), and bits of the vertices and
+/// edges that the triangle owns; one triangle per lane.
 template <class V>
 struct Names {
     V vertex[3], owned;

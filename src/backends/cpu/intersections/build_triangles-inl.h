@@ -1,5 +1,6 @@
-// Kernels of intersection queries that compute the records and boxes of a leaf's members, with one triangle in each
-// block of 128 bits of a vector, and that copy records to their rows.
+// Kernels of intersection queries that compute the records and boxes of the members of a leaf (small set of triangles
+// that one sweep searches), with one triangle in each block of 128 bits of a vector, and that copy records to their
+// rows.
 
 #if defined(CRUMPLE_INTERSECT_CPU_BUILD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_BUILD_INL_H_

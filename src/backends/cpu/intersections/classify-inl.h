@@ -1,5 +1,8 @@
-// Classifies pairs by the plane filter's signs. A pair is apart if all corners of one triangle, except for shared ones,
-// certainly lie on one side of the other's plane. The survivors are sorted by what can decide them:
+// Classifies candidates, that is, pairs of a row and a column of the sweep (stages/layout.h), by the plane filter's
+// signs. A pair is apart if all corners of one triangle, except for shared ones, certainly lie on one side of the
+// other's plane; if adjacent triangles are skipped (NarrowPolicy), all pairs with a shared vertex are apart, too. If
+// all corners of the second triangle are shared, as in a duplicated face, signs decide nothing. The survivors are
+// sorted by what can decide them:
 //
 //   edge   no shared vertex, all six signs certain                        -> edge_test
 //   hit    one shared vertex, all four other signs certain, and crossing  -> decided
@@ -11,8 +14,8 @@
 // They overlap iff both segments leave v in the same direction, that is, iff a1 is above B's plane and b1 below A's, or
 // a1 below and b1 above (docs/narrow.md).
 //
-// Three passes: compute the codes of all candidates, in 8-bit lanes; pack those that are not 0; sort these by kind. One
-// in five candidates survives, so the last pass, the only one that writes several lists, is short.
+// Three passes: compute the codes of all candidates, in 8-bit lanes; pack those that are not 0; sort these by kind.
+// About one in five candidates survives, so the last pass, the only one that writes several lists, is short.
 
 #if defined(CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_

@@ -6,8 +6,9 @@
 // interval, and these overlap iff det(q1 - p1, p2 - p1, q2 - p1) <= 0 and det(r1 - p1, r2 - p1, p2 - p1) <= 0 (Guigue
 // and Devillers 2003). Determinants in float32 carry a bound (docs/narrow.md); pairs within it stay undecided.
 //
-// Intervals that overlap mean a proper intersection unless they are equal: then edges meet edges at both ends. So a
-// query for proper intersections leaves hits undecided.
+// An intersection is proper (IntersectionKind::proper) if an edge of one triangle strictly crosses the interior of the
+// other. If the intervals overlap, it is proper unless they are equal: then edges only meet edges. This test does not
+// detect equal intervals, so for proper intersections it leaves overlapping ones undecided.
 
 #if defined(CRUMPLE_INTERSECT_CPU_EDGE_TEST_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_EDGE_TEST_INL_H_
@@ -23,8 +24,9 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
 
-/// Tests the pairs of out.edges, and appends to out.hit and out.undecided all that are not apart. `reach`: the leaf's
-/// largest |coordinate|.
+/// Tests the pairs of out.edges, and appends to out.hit and out.undecided all that are not apart. `reach`: the largest
+/// |coordinate| of a corner in the leaf, the set of triangles that one sweep searches; `proper`: true if only proper
+/// intersections count.
 inline void edge_test(const Record* record, const CandidateChunk& candidates, float reach, bool proper, Verdicts& out) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;

@@ -17,7 +17,7 @@ struct IntersectCall : Call {
 
     const PairSink* sink = nullptr;       ///< see NarrowContext
     std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
-    PairStream* stream = nullptr;         ///< receives the pairs of each unit; null: no stream
+    PairStream* stream = nullptr;         ///< receives the pairs of each unit (queries/row_stream.h); null: no stream
 };
 
 /// Runs search() of order.h. Pairs stay in `leaves`, except for those that the sink removes.

@@ -109,7 +109,8 @@ HWY_INLINE void flat_test_with(const Record* record, const CandidateChunk& candi
     out.undecided.resize(undecided);
 }
 
-/// Runs the flat test. `reach`: the leaf's largest |coordinate|.
+/// Runs the flat test. `reach`: the largest |coordinate| of a corner in the leaf, the set of triangles that one sweep
+/// searches.
 inline void flat_test(const Record* record, const CandidateChunk& candidates, const PointRows& points, float reach,
                       Verdicts& out) {
     with_triangles(points, reach, [&](float difference_error, auto triangles_of) {

@@ -3,7 +3,8 @@
 // Inner loops of intersection queries on the cpu, as tables of functions like those of the stages
 // (backends/cpu/stages/kernels.h): one in plain C++ (intersection_kernels_scalar.cpp, from the per-pair sources that
 // host and device share), and one for each SIMD instruction set (intersection_lanes.cpp). All tables yield the same
-// pairs.
+// pairs. A leaf is a small set of triangles that one sweep searches. Its candidates are the pairs of triangles, a row
+// and a column of the sweep, whose boxes overlap (stages/layout.h).
 
 #include <cstdint>
 #include <vector>

@@ -35,7 +35,7 @@ void IntersectLeaves::leave_out(const Call& call, Levels& levels) {
     copies_.leave_out(b.included);
 }
 
-// Also reserves for twice the worker's average share of the last call's pairs.
+// Also reserves memory for pairs: twice the worker's average share of the pairs of the last result.
 void IntersectLeaves::reserve(const Call&, std::int64_t members, std::int64_t rows, std::size_t worker) {
     std::int64_t most = 0;
     for (const auto& each : worker_) most = std::max(most, each->narrow.most_candidates);

@@ -24,7 +24,7 @@ class IntersectLeaves final : public LeafQuery {
         const IntersectionQuery* query = nullptr;
         const PairSink* sink = nullptr;       ///< see NarrowContext
         std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
-        PairStream* stream = nullptr;         ///< receives the pairs of each unit; null: no stream
+        PairStream* stream = nullptr;  ///< receives the pairs of each unit (queries/row_stream.h); null: no stream
     };
     void ask(const Asked& asked) { asked_ = asked; }
 
@@ -50,7 +50,7 @@ class IntersectLeaves final : public LeafQuery {
     Array<Pair>& found(std::size_t worker) { return worker_[worker]->narrow.pairs; }
     const Copies& copies() const { return copies_; }
 
-    std::size_t pairs_before = 0;  ///< number of pairs of the previous call
+    std::size_t pairs_before = 0;  ///< number of pairs in the last result of find()
 
    private:
     struct Worker {

@@ -1,7 +1,8 @@
 #pragma once
 
-// Stages `sweep` and `narrow` of one sorted leaf: candidates are swept in chunks (backends/cpu/stages/sweep.h), and
-// each chunk is filtered, then decided, while it is still in the cache.
+// Stages `sweep` and `narrow` of one sorted leaf, a small set of triangles. The sweep finds candidates, pairs of
+// triangles whose boxes overlap, in chunks (backends/cpu/stages/sweep.h). Each chunk is filtered, then decided, while
+// it is still in the cache.
 
 #include <atomic>
 
@@ -22,7 +23,7 @@ struct NarrowScratch;
 /// from `before` on are new. The callback may remove pairs from scratch.pairs; the remaining ones accumulate.
 using PairSink = FunctionRef<void(NarrowScratch& scratch, std::size_t before)>;
 
-/// Data of the call that `narrow` needs.
+/// Data of the call that `narrow` needs. `rule`: the pair filter.
 struct NarrowContext {
     const PreparedScene& scene;
     const IntersectionQuery& query;
@@ -47,7 +48,7 @@ struct NarrowScratch {
     CandidateChunk candidates;
     Verdicts verdicts;
     Array<Pair> pairs;      ///< triangles as numbered in the scene, lower id first
-    std::int64_t unit = 0;  ///< unit of a stream that the pairs belong to
+    std::int64_t unit = 0;  ///< unit of a stream (queries/row_stream.h) that the pairs belong to
     Statistics statistics;  ///< counts and times of sweep and narrow
 
     std::int64_t most_candidates = 0;  ///< largest CandidateChunk::count so far

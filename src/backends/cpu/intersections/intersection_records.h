@@ -1,6 +1,7 @@
 #pragma once
 
-// Records of a leaf's members from `align` to `narrow`: as built, and at their rows once the boxes are sorted.
+// Records of the members of a leaf (small set of triangles that one sweep searches) from `align` to `narrow`: as built,
+// and at their rows once the boxes are sorted.
 
 #include "backends/cpu/intersections/intersection_kernels.h"
 #include "backends/cpu/stages/leaf_members.h"
@@ -10,7 +11,7 @@ namespace crumple::cpu {
 struct LeafRecords {
     explicit LeafRecords(MemoryMeter* m) : built(m), sorted(m) {}
     Array<Record> built;   ///< in the order of LeafMembers
-    Array<Record> sorted;  ///< by physical row, planes scaled
+    Array<Record> sorted;  ///< by physical row (stages/layout.h), with planes times plane_scale()
     float reach = 0;       ///< the leaf's largest |coordinate|
 
     /// Reserves memory for a leaf with these numbers of members and, with dummies, of rows.

@@ -2,7 +2,8 @@
 
 // Search under a memory limit. First-level clusters are searched one after another, on one worker, and all of them
 // twice: the first pass counts the pairs of each triangle, the second one writes the pairs to their places in the
-// result. So no list of pairs is stored besides the result, and only one cluster's members and records at a time.
+// result. So no list of pairs is stored besides the result, and only one cluster's members and records are stored at a
+// time.
 
 #include "backends/cpu/intersections/find_intersections.h"
 

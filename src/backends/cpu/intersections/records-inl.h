@@ -95,7 +95,7 @@ HWY_INLINE Triangles<D> load_exact_triangles(D d, RecordOf record, const float* 
 /// Calls test(difference_error, triangles_of), where triangles_of(record) loads the triangles of *record(lane) with the
 /// best corners available: from the normalised rows if these are float32, and so exact, otherwise from the records.
 /// Each coordinate of a difference of two corners errs by at most `difference_error` beyond its own rounding. `reach`:
-/// the leaf's largest |coordinate|.
+/// the largest |coordinate| of a corner in the leaf, the set of triangles that one sweep searches.
 template <class Test>
 HWY_INLINE void with_triangles(const PointRows& points, float reach, Test test) {
     const hn::ScalableTag<float> d;

@@ -30,16 +30,17 @@ struct PlaneSigns {
 
 /// Results of the filters of `narrow`, and data that they pass to each other. Pairs are packed as column << 16 | row.
 struct Verdicts {
-    Array<std::uint32_t> hit;        ///< certainly collide
-    Array<std::uint32_t> undecided;  ///< left to exact arithmetic
+    Array<std::uint32_t> hit;        ///< pairs that certainly collide
+    Array<std::uint32_t> undecided;  ///< pairs left to the exact decision
     std::int64_t edge_tests = 0;     ///< number of pairs that the plane filter does not drop
     std::int64_t double_tests = 0;   ///< number of pairs unresolved by the float32 filters
     // Between the SIMD filters:
     PlaneSigns signs;
     Array<std::uint8_t> code;                      ///< code of each candidate, by `classify`
     Array<std::uint32_t> survivor, survivor_code;  ///< candidates that the plane filter does not drop; their codes
-    Array<std::uint32_t> edges, edge_signs;        ///< pairs for edge_test; for each, below_a | below_b << 3
-    Array<std::uint32_t> flat, flat_shared;        ///< pairs for flat_test; for each, shared_b | shared_a << 3
+    Array<std::uint32_t> edges, edge_signs;  ///< pairs for edge_test; for each, below_a | below_b << 3 of PlaneSigns
+    Array<std::uint32_t> flat, flat_shared;  ///< pairs for flat_test; for each, bits of the shared corners: shared_b |
+                                             ///< shared_a << 3 (PairSigns)
     explicit Verdicts(MemoryMeter* m)
         : hit(m),
           undecided(m),

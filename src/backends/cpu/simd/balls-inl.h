@@ -1,5 +1,5 @@
-// Balls around triangles (stage `bounds`), one triangle in each block of 128 bits; and a test for repeated vertices, a
-// vector of triangles at a time.
+// Balls around triangles or, if they move, around their swept volumes (stage `bounds`), one triangle in each block of
+// 128 bits; and a test for repeated vertices, a vector of triangles at a time.
 
 #if defined(CRUMPLE_CPU_SIMD_BALLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_BALLS_INL_H_
@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu {
 namespace HWY_NAMESPACE {
 
-/// Computes balls. `stop`: the end positions, if the corners move.
+/// Computes balls (StageKernels::balls). `stop`: the positions at the end of the step; read only if `moving`.
 template <bool moving, class Points>
 HWY_INLINE void balls_from(const Points& points, const Points& stop, const std::int32_t* HWY_RESTRICT corners,
                            std::int64_t begin, std::int64_t end, float more, Ball* HWY_RESTRICT ball) {

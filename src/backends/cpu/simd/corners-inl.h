@@ -92,7 +92,7 @@ HWY_INLINE void store_rows(D d, V r0, V r1, V r2, V r3, float* const (&out)[bloc
     }
 }
 
-/// Corners relative to the leaf's origin, and the edges from the first one.
+/// Corners relative to the origin of the leaf (geometry/leaf_frame.h), and the edges from the first one.
 template <class V>
 struct LocalCorners {
     V q0, q1, q2, a, b;

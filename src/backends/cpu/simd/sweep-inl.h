@@ -1,6 +1,6 @@
-// Stage `sweep`: tests rows, one by one, against their columns, in 16-bit lanes. A row is a member of a sorted leaf;
-// its columns are the members whose intervals along the sweep direction may overlap the row's. Each row's candidates
-// are padded to a multiple of four.
+// Stage `sweep`: tests rows, one by one, against their columns, in 16-bit lanes. A row is a member of a sorted leaf
+// (small set of triangles); its columns are the rows that the sweep tests it with, whose intervals along the sweep
+// direction may overlap the row's (stages/sort.h). Each row's candidates are padded to a multiple of four.
 
 #if defined(CRUMPLE_CPU_SIMD_SWEEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_SWEEP_INL_H_

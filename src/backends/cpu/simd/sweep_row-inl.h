@@ -1,6 +1,7 @@
-// One row of the sweep, that is, one triangle of a leaf: tests its box against those of other triangles, the columns, a
-// vector at a time, and lists the columns whose boxes overlap the row's and whose pair with the row the leaf owns
-// (stages/ownership.h): triangles with a common ownership bit are a pair of another leaf.
+// One row of the sweep, that is, one triangle of a leaf (small set of triangles that one sweep searches): tests its box
+// against those of other triangles, the columns, a vector at a time, and lists the columns whose boxes overlap the
+// row's and whose pair with the row the leaf owns (stages/ownership.h): triangles with a common ownership bit are a
+// pair of another leaf.
 //
 // Two intervals are apart iff one starts after the other's end, that is, iff a saturated difference is not zero. So
 // four differences and the common ownership bits, ORed, are zero exactly for the columns to list.

@@ -1,8 +1,8 @@
 #pragma once
 
-// Stage `align`: the frame in which a leaf is swept, by principal component analysis of its members' centroids (sec. 3,
-// eq. 1 of [MZ], the paper cited in ARCHITECTURE.md), and its members' boxes in that frame. The query's `build`
-// (LeafQuery::build) writes the boxes, together with its records, from one gather of the corners.
+// Stage `align`: the frame in which a leaf, a small set of triangles, is swept, by principal component analysis of its
+// members' centroids (sec. 3, eq. 1 of [MZ], the paper cited in ARCHITECTURE.md), and its members' boxes in that frame.
+// The query's `build` (LeafQuery::build) writes the boxes, together with its records, from one gather of the corners.
 //
 // The first axis is the direction in which the centroids spread most, estimated from up to 128 members that are evenly
 // spaced in the list. The other two axes are turned to lie along the edges of up to 32 of these members. Any frame is

@@ -31,7 +31,8 @@ void normalise(const PreparedScene& scene, Workers& workers, Array<T>& points) {
     });
 }
 
-// Computes balls that contain the swept volumes of triangles [begin, end), each inflated as its triangle requires.
+// Computes balls that contain the swept volumes of triangles [begin, end), each inflated as its triangle requires; for
+// candidates (Inflation::of_box), balls that contain their inflated boxes.
 void swept_balls(const PreparedScene& scene, const PointRows& rows, const Inflation& inflation, std::int64_t begin,
                  std::int64_t end, Ball* ball) {
     const std::int64_t ends = scene.moving ? scene.vertex_count() : 0;

@@ -1,10 +1,11 @@
 #pragma once
 
 // Stage `bounds`: normalised vertices, and a ball around each triangle: its centroid, and the largest distance from
-// there to a corner (eq. 5 of [MZ], the paper cited in ARCHITECTURE.md, but per triangle).
+// there to a corner (eq. 5 of [MZ], the paper cited in ARCHITECTURE.md, but per triangle). If the scene moves, the
+// corners at the start and at the end count. The radius grows by the inflation of the query (geometry/inflation.h). For
+// candidates, the ball is that around the triangle's inflated box.
 //
-// Centroid and radius are float32; the radius is widened so that the ball about the rounded centroid contains the
-// triangle.
+// Centre and radius are float32; the radius is widened to cover rounding errors, those of the centre included.
 
 #include "backends/cpu/parallel.h"
 #include "backends/cpu/stages/kernels.h"
@@ -13,8 +14,7 @@
 
 namespace crumple::cpu {
 
-/// Computes normalised vertices and balls. If the scene moves, a ball contains the swept volume of its triangle.
-/// Returns true if a triangle has a repeated vertex.
+/// Computes normalised vertices and balls. Returns true if a triangle has a repeated vertex.
 bool compute_bounds(const PreparedScene& scene, const Inflation& inflation, const StageKernels& kernels,
                     Workers& workers, Points& points, Array<Ball>& balls);
 

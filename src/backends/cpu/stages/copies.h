@@ -68,7 +68,7 @@ class Copies {
     }
 
     Array<std::int32_t> next_;
-    Array<std::int32_t> table_;  ///< scratch: the latest triangle of each class
+    Array<std::int32_t> table_;  ///< scratch of find(): a hash table of the latest triangle of each class
     SeededHash hash_;
 };
 

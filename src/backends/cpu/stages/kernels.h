@@ -1,9 +1,9 @@
 #pragma once
 
 // Inner loops of the stages that all kinds of query share, as tables of functions: one in plain C++
-// (kernels_scalar.cpp, which also documents what each computes), and one for each SIMD instruction set, from one source
-// (simd/, by Highway). Results of queries do not depend on the table; approximate intermediate results may differ in
-// the last bit. Each kind of query has tables of its own loops (such as intersections/intersection_kernels.h).
+// (kernels_scalar.cpp, the version to read first), and one for each SIMD instruction set, from one source (simd/, by
+// Highway). Results of queries do not depend on the table; approximate intermediate results may differ in the last bit.
+// Each kind of query has tables of its own loops (such as intersections/intersection_kernels.h).
 
 #include <cstdint>
 #include <vector>
@@ -49,7 +49,7 @@ struct StageKernels {
     void (*split_boxes)(const RowBox* box, std::int64_t rows, SortedLeaf& sorted);
 
     /// Appends to `out` the candidates of rows [row, last) with columns in [out.columns, block_end), until `out` has at
-    /// least `capacity` entries; returns the row to continue with. `dummy` is the block's padding column.
+    /// least `capacity` entries; returns the row to continue with. `dummy` is the block's padding column (layout.h).
     std::int64_t (*sweep)(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, std::int64_t block_end,
                           std::uint16_t dummy, std::int64_t capacity, CandidateChunk& out);
 };

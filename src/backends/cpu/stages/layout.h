@@ -10,11 +10,12 @@
 //   sweep       SortedLeaf       -> CandidateChunk: pairs whose boxes overlap, in groups of four
 //   narrow      CandidateChunk   -> rows of a result, by kind of query
 //
-// A leaf is a small set of triangles, its members, that one sweep searches. After `sort`, each member has a row; the
-// sweep tests each row with other rows, its columns, and a candidate is a pair of a row and a column. Rows are stored
-// in blocks of `block_members` members, each followed by one dummy that overlaps nothing, so that the offset of a
-// column from its block fits 16 bits. The physical position (row) of the j-th sorted member is j + j / block_members.
-// Nearly every leaf has one block.
+// A leaf is a small set of triangles, its members, that one sweep searches. After `sort`, each member has a row. If the
+// scene is two meshes, the rows of the first mesh come first, and each mesh is sorted by itself. The sweep tests each
+// row with other rows, its columns, and a candidate is a pair of a row and a column. Rows are stored in blocks of
+// `block_members` members, each followed by one dummy that overlaps nothing, so that the offset of a column from its
+// block fits 16 bits. The physical position (row) of the j-th sorted member is j + j / block_members. Nearly every leaf
+// has one block.
 
 #include <cstdint>
 #include <limits>
@@ -56,7 +57,8 @@ struct alignas(16) QuantisedBox {
     std::uint16_t low_x, high_x;
 };
 
-inline constexpr int block_stride = 65472;  ///< rows per block; a multiple of the widest vector of 16-bit lanes
+/// Rows per block; a multiple of the number of 16-bit lanes in the widest vector.
+inline constexpr int block_stride = 65472;
 inline constexpr int block_members = block_stride - 1;
 
 inline std::int64_t physical(std::int64_t member) { return member + member / block_members; }
@@ -84,7 +86,7 @@ struct BuildInput {
 /// Bounds that `build` computes along with boxes and records. Without members: a box with low > high.
 struct LeafBounds {
     static constexpr float most = std::numeric_limits<float>::max();
-    Vec3f low{most, most, most}, high{-most, -most, -most};  ///< over the boxes of all members that are not big
+    Vec3f low{most, most, most}, high{-most, -most, -most};  ///< box of all members that are not big
     float reach = 0;  ///< largest |coordinate| of corners relative to the origin; times big_share for big members
     int big = 0;      ///< number of big members
 };
@@ -97,14 +99,17 @@ struct RowLink {
 /// Leaf after `sort`. Arrays over rows are indexed by physical position.
 struct SortedLeaf {
     std::int64_t members = 0;
-    std::int64_t rows = 0;         ///< physical length, dummies included
+    std::int64_t rows = 0;         ///< number of physical rows: members and one dummy per block
     Array<std::int32_t> position;  ///< physical position of each member, in the order of LeafMembers
-    Array<std::uint16_t> low_y, high_y, low_z, high_z;
-    Array<std::uint16_t> lower;  ///< ownership bits; the leaf does not own pairs with a common bit
-    Array<std::int32_t> begin;   ///< first column of each row; empty: the next row
+    Array<std::uint16_t> low_y, high_y, low_z, high_z;  ///< boxes across the sweep direction
+    /// Ownership bits (ownership.h): the leaf does not own a pair of members with a common bit.
+    Array<std::uint16_t> lower;
+    /// Two meshes: physical position of each row's first column. One mesh: empty, as the first column is the next row.
+    Array<std::int32_t> begin;
     Array<RowLink> link;
-    Array<std::int32_t> member;  ///< position in the subdivision's member arrays
-    std::int64_t work = 0;       ///< number of interval tests: sum of the rows' numbers of columns
+    /// Position of each row's member in the arrays of Subdivision (subdivide.h), if LeafMembers::keep_members.
+    Array<std::int32_t> member;
+    std::int64_t work = 0;  ///< number of interval tests: sum of the rows' numbers of columns
     std::int64_t begin_of(std::int64_t row) const {
         return begin.empty() ? row + 1 : begin[static_cast<std::size_t>(row)];
     }

@@ -1,15 +1,16 @@
 #pragma once
 
-// Ownership of pairs of triangles by leaves, so that each pair is handled once. Clusters overlap, so several leaves may
-// contain both triangles. Leaf (k1, k2), child k2 of cluster k1, owns the pair iff no lower cluster contains both
-// triangles: no cluster below k1 in the first level, no child of k1 below k2 in the second and, if the scene is a part
-// of a larger one, no cluster below the part's in the levels above (docs/subdivide.md). If the pair filter excludes
-// pairs within a group, triangles of one group count as members of a common lower cluster, too.
+// Ownership of pairs of triangles by leaves (each is a set of triangles that one sweep searches), so that each pair is
+// handled once. Clusters overlap, so several leaves may contain both triangles. Leaf (k1, k2), child k2 of cluster k1,
+// owns the pair iff no lower cluster contains both triangles: no cluster below k1 in the first level, no child of k1
+// below k2 in the second and, if the scene is a part of a larger one, no cluster below the part's in the levels above
+// (docs/subdivide.md). If the pair filter excludes pairs within a group, triangles of one group count as members of a
+// common lower cluster, too.
 //
 // The sweep needs this as 16 bits per member, the ownership bits, so that one AND decides. If there are up to 16 lower
-// clusters, their bits are copied from the masks. If there are more, each of them that occurs in the leaf gets a bit;
-// in the rare leaf in which more than 16 occur, the remaining ones are looked up in the masks, for pairs that passed
-// the filters.
+// clusters, and groups need no bits, their bits are copied from the masks. Otherwise each of them that occurs in the
+// leaf gets a bit; in the rare leaf in which more than 16 occur, the remaining ones are looked up in the masks, for
+// pairs that the sweep and, for most queries, the first filters have left.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +25,7 @@ namespace crumple::cpu {
 
 class Ownership {
    public:
-    /// `above`: levels above the scene.
+    /// `above`: levels of subdivision above the scene, if it is a part of a larger one (partition/levels.h).
     Ownership(const PreparedScene& scene, const Levels& above, const Subdivision& subdivision, const Leaf& leaf)
         : scene_(scene) {
         for (const crumple::ClusterLevel& level : above) add_level(level.masks, level.cluster, false);

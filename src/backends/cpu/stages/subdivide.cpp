@@ -104,8 +104,8 @@ void list_children(std::int64_t begin, std::int64_t end, int children, const std
     }
 }
 
-// Splits a cluster if it is large and splitting pays: writes its members' masks and the children's sizes and lists.
-// Returns the number of children, 0 if it stays whole.
+// Splits a cluster if it has more than 1.5 times Options::leaf_size members, and splitting pays: writes its members'
+// masks and the children's sizes and lists. Returns the number of children, 0 if it stays whole.
 int split_cluster(int cluster, const Array<Ball>& balls, const Options& options, const StageKernels& kernels,
                   Centres& centres, Subdivision& s, std::array<std::int64_t, max_clusters>& sizes) {
     const auto k = static_cast<std::size_t>(cluster);

@@ -1,7 +1,8 @@
 #pragma once
 
 // Stage `subdivide`: fuzzy C-means (sec. 4 of [MZ], the paper cited in ARCHITECTURE.md) splits the scene into clusters,
-// and large clusters again, down to leaves that fit a core's cache.
+// and large clusters again. The final clusters are the leaves: each is searched by one sweep, and is meant to fit a
+// core's cache.
 //
 // A triangle joins every cluster whose centre may be the nearest to one of its points (bisector rule; proof in
 // docs/subdivide.md), so two triangles with a common point share a cluster, at every level. A cluster handles a pair
@@ -22,16 +23,16 @@
 
 namespace crumple::cpu {
 
-/// Centres cached from call to call for warm starts.
+/// Centres cached from call to call, for warm starts: each call iterates from those of the previous one.
 struct WarmCentres {
     Centres level1;
     int wanted = 0;  ///< number of first-level centres that was chosen when level1 was last started anew
-    std::array<Centres, max_clusters> level2;
+    std::array<Centres, max_clusters> level2;  ///< by first-level cluster: centres of its children
 };
 
 struct Leaf {
-    std::int32_t cluster = 0;  ///< k1
-    std::int32_t child = -1;   ///< k2, or -1 if the cluster was not split
+    std::int32_t cluster = 0;  ///< k1: first-level cluster
+    std::int32_t child = -1;   ///< k2: child of this cluster, or -1 if the cluster was not split
     std::int64_t begin = 0;    ///< into members2[cluster], or into the flat arrays if child < 0
     std::int64_t size = 0;
 };
@@ -41,16 +42,17 @@ struct Subdivision {
         : mask1(m), mask2(m), id(m), histogram(m), place(m), leaves(m), sample(m), included(m) {
         for (auto& list : members2) list = Array<std::int32_t>(m);
     }
-    Array<std::uint64_t> mask1;                              ///< by triangle: the clusters that it belongs to
-    Array<std::uint64_t> mask2;                              ///< by member of split clusters: children it belongs to
-    Array<std::int32_t> id;                                  ///< triangle, by member
-    std::array<std::int64_t, max_clusters + 1> first{};      ///< first member of each cluster
-    std::array<Array<std::int32_t>, max_clusters> members2;  ///< member positions, leaf by leaf
-    Array<std::int64_t> histogram;                           ///< memberships by chunk of triangles and cluster
-    Array<std::int64_t> place;                               ///< scratch: where a chunk writes its next member
-    Array<Leaf> leaves;                                      ///< largest first
-    Array<Vec3f> sample;                                     ///< scratch
-    Array<std::int32_t> included;                            ///< included triangles, if some are left out
+    Array<std::uint64_t> mask1;  ///< by triangle: the clusters that it belongs to
+    Array<std::uint64_t> mask2;  ///< by member of a cluster that is split: the children that it belongs to
+    Array<std::int32_t> id;      ///< by member: its triangle
+    std::array<std::int64_t, max_clusters + 1> first{};  ///< first member of each cluster; then the number of members
+    /// By first-level cluster: positions of its children's members in `id`, child after child.
+    std::array<Array<std::int32_t>, max_clusters> members2;
+    Array<std::int64_t> histogram;  ///< by chunk of 4,096 triangles and cluster: number of members
+    Array<std::int64_t> place;      ///< scratch: where a chunk writes its next member
+    Array<Leaf> leaves;             ///< largest first
+    Array<Vec3f> sample;            ///< scratch
+    Array<std::int32_t> included;   ///< triangles that are searched, if some are left out (Buffers::included)
     int clusters = 0;
 };
 

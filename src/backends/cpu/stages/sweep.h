@@ -1,9 +1,9 @@
 #pragma once
 
-// Stage `sweep` of one sorted leaf, in chunks: about 16,000 candidates are collected and passed to the query's
-// `narrow`, so that candidates stay in the cache and memory stays bounded however many there are. A chunk ends with the
-// row that fills it, so it exceeds its nominal size by one row at most. leaves.cpp cuts large leaves into tiles, ranges
-// of rows with about equal numbers of interval tests.
+// Stage `sweep` of one sorted leaf (stages/layout.h), in chunks: about 16,000 candidates, pairs of triangles whose
+// boxes overlap, are collected and passed to the query's `narrow`, so that candidates stay in the cache and memory
+// stays bounded however many there are. A chunk ends with the row that fills it, so it exceeds its nominal size by one
+// row at most. leaves.cpp cuts large leaves into tiles, ranges of rows with about equal numbers of interval tests.
 
 #include <algorithm>
 

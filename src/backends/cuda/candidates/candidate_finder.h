@@ -9,7 +9,7 @@
 
 namespace crumple::cuda {
 
-/// Per-slot state, in addition to RowSlot.
+/// State of one slot for candidates, in addition to RowSlot.
 struct CandidateSlot {
     explicit CandidateSlot(MemoryMeter& meter) : values(meter) {}
 

@@ -150,7 +150,7 @@ __global__ void within_kernel(PreparedScene scene, PairSelection pairs, Candidat
             return lane < 3 ? asked.features.point_of(t, lane)
                             : asked.features.edges_of[t][static_cast<std::size_t>(lane - 3)];
         };
-        // True if the vertex belongs to the other feature, by representative vertices.
+        // True if the vertex, or one that is welded to it, belongs to the other feature.
         const auto incident = [&](int vertex, int lane) {
             for (int k = 0; k < 3; ++k)
                 if ((corners_of(lane) >> k & 1) && name(k) == name(vertex)) return true;

@@ -27,7 +27,7 @@ struct CandidateParameters {
 struct RankedCandidate {
     std::uint32_t first;  ///< in joint numbering (FirstOfKind)
     std::int32_t second;
-    std::uint32_t rank;  ///< among pairs of the same first feature
+    std::uint32_t rank;  ///< index among the pairs of the same first feature
 };
 
 struct CandidateHits {

@@ -103,7 +103,7 @@ struct CandidateMembers {
     }
 };
 
-/// Filter of the sweep that keeps every pair of triangles whose boxes overlap.
+/// Filter of the sweep that drops none of the pairs that the sweep finds by boxes, ownership and the pair filter.
 struct OverlapAlone {
     struct Buffer {};
     __device__ bool keeps(bool has, const Candidate&, Buffer&) const { return has; }

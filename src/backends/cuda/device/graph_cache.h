@@ -10,6 +10,8 @@
 //     the same work, once             a graph of its own, made now
 //     the same work, more often       that graph of its own
 //
+// "Before" covers the last eight keys, and the shape of the latest work that was enqueued launch by launch.
+//
 // So arrays that move from frame to frame, and lists that grow, need no new graph; a repeated frame costs one launch;
 // and no kernel is loaded during a capture.
 

@@ -18,8 +18,9 @@ namespace crumple::cuda {
 struct BackendState {
     BackendState(const Options& asked, MemoryMeter& m, Cancellation& c) : options(asked), meter(m), cancellation(c) {}
 
-    /// Makes our stream wait for the work on the caller's stream. Throws Error if that stream is being captured, since
-    /// waiting for it would invalidate the capture. `whose`: beginning of the message, for example "a mesh's".
+    /// Makes the backend's own stream wait for the work that the caller's stream has so far. Throws Error if the
+    /// caller's stream is being captured, since waiting for it would invalidate the capture. `whose`: beginning of the
+    /// message, for example "a mesh's".
     void follow(void* callers_stream, const char* whose) const {
         const auto callers = static_cast<cudaStream_t>(callers_stream);
         if (capture_of(callers) != 0)
@@ -36,7 +37,8 @@ struct BackendState {
     const Stream stream = make_stream(device);  ///< the backend's own stream
     const Event before = make_event(device);
     LaunchQueue launches_in_flight{device};
-    /// Inputs by slot. A slot belongs to one launch at a time, of any query.
+    /// Input of each slot. Launches take the two slots in turn, whatever their queries (device/launch_queue.h), so a
+    /// slot belongs to one launch at a time.
     std::array<Input, LaunchQueue::slots> inputs{Input(device.index(), stream.get(), meter),
                                                  Input(device.index(), stream.get(), meter)};
 };

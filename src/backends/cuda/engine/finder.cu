@@ -78,7 +78,8 @@ bool Finder::pass_without_rows(FunctionRef<void()> rounds, Counters& counters) {
     return complete;
 }
 
-// Returns true if the slot's pass was complete. If not, adapts the plan, unless another launch has changed it since.
+// Returns true if the slot's pass has left the whole result, or a hit where one is enough. Adapts the plan if a list
+// was too short, unless another launch has changed the plan since.
 bool Finder::accept() {
     const Counters counters = *slot().counters;
     input().throw_error(counters);

@@ -3,10 +3,10 @@
 // The engine of all queries: plans and runs passes over one scene. A pass runs all stages once; finder.cu has their
 // order.
 //
-// A plan gives each list a capacity. After a pass the host reads the counters; if a list was too short, it grows and
-// the pass is run again (stages/layout.h). If the lists do not fit the memory limit or the device, the scene is
-// searched in chunks: cluster by cluster, and each cluster in as many slices of its sweep as the lists require
-// (finder_chunks.cu).
+// A slot holds what one launch leaves for its wait (Slot). A plan gives each list a capacity. After a pass the host
+// reads the counters; if a list was too short, it grows and the pass is run again (stages/layout.h). If the lists do
+// not fit the memory limit or the device, the scene is searched in chunks: cluster by cluster, and each cluster in as
+// many slices of its sweep as the lists require (finder_chunks.cu).
 //
 // Scenes lie on the host, or on the device as meshes or bodies. For scenes on the device a pass can be launched, or put
 // into a caller's capture; its slot then holds the data that wait() reads (device/launch_queue.h).
@@ -33,12 +33,12 @@ struct Slot {
     Slot(const Device& device, MemoryMeter& meter) : counters(device), rows(meter) {}
 
     Pinned<Counters> counters;
-    Block rows;                  ///< rows of the result
-    Plan plan;                   ///< plan of its pass
-    std::uint64_t revision = 0;  ///< SceneFeatures::revision() of the request; 0: no feature query
+    Block rows;                  ///< device memory of the rows of the result
+    Plan plan;                   ///< clusters and list capacities with which the launch's pass was enqueued
+    std::uint64_t revision = 0;  ///< SceneFeatures::revision() of the request's features; 0: no feature query
     bool low_memory = false;     ///< uses as little memory as possible, so searches in chunks
     bool on_host = false;        ///< the rows lie on the host: they were found in chunks
-    bool lost = true;            ///< there is no pass, or its rows were evicted
+    bool lost = true;            ///< no result: none was found yet, memory did not suffice, or its rows were evicted
 };
 
 /// Base of the searches for each kind of query. A derived class binds its input, and overrides the stages' work that is
@@ -56,13 +56,13 @@ class Finder {
     void resume(std::size_t slot);
 
     /// Finds the result and leaves its rows in the slot. Throws MeshChanged if the caller's mesh on the device differs
-    /// from the cached one (input/cached_mesh.h); so does accept_launched(). Several worlds side by side are not
-    /// searched in chunks: if they do not fit, throws MemoryMeter::Exceeded.
+    /// from the cached one (input/cached_mesh.h); so does accept_launched(). Scenes of several worlds, or of bodies
+    /// whose poses lie on the device, are not searched in chunks: if they do not fit, throws MemoryMeter::Exceeded.
     void find();
     /// Enqueues a whole pass on `stream`. If memory does not suffice, marks the slot as lost instead.
     void launch(cudaStream_t stream);
     /// To be called when the launched pass has completed. Returns true if it has left the whole result, and was
-    /// launched for features of that revision.
+    /// launched for features with this SceneFeatures::revision() (0: for no feature query).
     bool accept_launched(std::uint64_t revision = 0);
 
     /// Puts a whole pass into the capture of `stream`: each replay is a pass. Its memory does not move until
@@ -92,16 +92,18 @@ class Finder {
     /// Binds the pass to the slot's scene and query. Overriders call this first.
     virtual void bind();
     virtual KernelParameters parameters() const = 0;
-    /// True if there are codimensional edges or points, so that lists for tests of all FeatureKinds are needed.
+    /// True unless SceneFeatures::plain(): the caller has lists of edges or points (codimensional features), and not
+    /// all of these are simply the triangles'. Then lists for tests of all FeatureKinds are needed.
     virtual bool all_kinds() const { return false; }
-    /// True if only a flag is requested: true if there is any hit. Hits are then counted, not listed.
+    /// True if the query requests only a flag, which is set if there is any hit. Hits are then counted, not listed.
     virtual bool is_any_output() const { return false; }
 
-    /// Choose capacities for a scene of another kind than the last one, and for a search in chunks whose lists take at
-    /// most about `bytes`.
+    /// Choose the number of clusters and the capacities of lists: choose_plan() for a scene of another SceneKind than
+    /// the previous one, choose_chunks() for a search in chunks whose lists take about `bytes`, or the least that
+    /// works.
     virtual void choose_plan(Plan& plan) const = 0;
     virtual void choose_chunks(Plan& plan, std::int64_t bytes) const = 0;
-    /// Takes the arrays of the result, with capacity for Plan::hits rows, from the cutter.
+    /// Takes the arrays of the result from `cutter`, with capacity for Plan::hits rows if the query requests rows.
     virtual void cut_rows(ArenaLayout& cutter) = 0;
     virtual void clear_rows(BatchedClear& batch) const = 0;
     /// Enqueues what the query needs after the work of the input (Input::enqueue) and before stage `bounds`.
@@ -116,8 +118,8 @@ class Finder {
     /// Decides on the host the given number of tests, which the device could not decide. Returns the number of hits
     /// among them.
     virtual std::size_t decide_unresolved(std::size_t) { return 0; }
-    /// Appends to the list of hits those that decide_unresolved() has found, and ranks all hits anew. Arguments: their
-    /// number, and the number of hits in the list before.
+    /// Appends to the list of hits those that decide_unresolved() has found, and ranks all hits anew (Hit::rank).
+    /// Arguments: number of hits to append, and number of hits in the list before.
     virtual void append_decided(std::size_t, unsigned long long) {}
     /// Reads what the host needs of a complete result with `total` hits.
     virtual void read_rows(unsigned long long total) = 0;
@@ -140,12 +142,12 @@ class Finder {
     Counters read_counters();
     void count(const Counters& counters, const Plan& plan);
 
-    /// Runs one pass that lists no hits, and waits for it. rounds() enqueues the stages after `sort` on our stream.
+    /// Runs one pass that lists no hits, and waits for it. rounds() enqueues the stages after `sort` on stream_.
     /// Returns true if all lists were long enough; if not, the next pass has longer ones.
     bool pass_without_rows(FunctionRef<void()> rounds, Counters& counters);
 
-    /// Runs work(), a pass over the whole scene. Returns false if memory did not suffice; then no such pass is tried
-    /// again for scenes of that size or larger.
+    /// Runs work(), a pass over the whole scene. Returns false if memory did not suffice; from then on, until
+    /// release(), does not run work() for scenes with as many triangles or more, and returns false at once.
     bool fits_at_once(FunctionRef<void()> work);
     void refuse_at_once() { too_many_ = scene().triangle_count(); }
     bool refuses_at_once() const { return scene().triangle_count() >= too_many_; }
@@ -153,16 +155,16 @@ class Finder {
     /// searched in chunks: the caller saves more memory by searching fewer worlds at once, and chunks cannot name pairs
     /// by bodies.
     void refuse_worlds() const;
-    /// Runs work() with lists as long as memory seems to allow for a search in chunks, and again with the shortest ones
-    /// if they did not fit.
+    /// Runs work() with lists as long as memory seems to allow for a search in chunks; if they do not fit, or for
+    /// Slot::low_memory, with the shortest ones.
     void in_chunks(FunctionRef<void()> work);
-    /// Searches cluster by cluster: calls slice() for each slice whose pairs of triangles fit their list, until it
-    /// returns false.
+    /// Searches cluster by cluster, and sweeps each cluster in slices whose pairs of triangles fit their list. Calls
+    /// slice() after each of these, until it returns false.
     void over_chunks(FunctionRef<bool()> slice);
-    /// Evicts rows and passes of other launches to make memory for this one. A launch in flight is then repeated, from
-    /// its inputs, in its wait. Returns true if any memory was freed.
+    /// Frees the rows of the other slot and, unless its launch is in flight, its input, after waiting for all passes in
+    /// flight. A launch that loses its rows is repeated in its wait. Returns true if any memory was freed.
     bool free_others();
-    /// Frees the memory of lists, but not of rows of the current slot.
+    /// Calls free_others() and frees the memory of lists, but not the rows of the current slot.
     void release_lists();
 
     BackendState& state_;
@@ -170,7 +172,7 @@ class Finder {
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     const Geometry& geometry_;
-    cudaStream_t stream_;
+    cudaStream_t stream_;  ///< the backend's own stream
     std::array<Slot, LaunchQueue::slots> slots_;
     Statistics statistics_;
     bool captured_ = false;  ///< a caller's graph uses the lists, which must not move

@@ -28,7 +28,8 @@ struct GraphKey {
     const void *work = nullptr, *rows = nullptr, *warm_starts = nullptr, *counters = nullptr;
     friend bool operator==(const GraphKey&, const GraphKey&) = default;
 
-    /// Returns the key without addresses and lengths of lists. It determines which kernels are launched.
+    /// Returns the key reduced to what determines which kernels are launched: without the capacities of lists, and with
+    /// addresses reduced by forget_place() or set to null.
     GraphKey shape() const {
         GraphKey shape = *this;
         for (VertexReader& reader : shape.scene.reader) forget_place(reader.data);

@@ -19,8 +19,8 @@ class Launches {
 
     /// Enqueues a pass on `stream`, or adds it to the capture that the stream takes part in. bind(slot, growth) makes
     /// the finder work on a slot and binds the inputs, which are ready once the work that `stream` and `other` have so
-    /// far is complete. `other`: the second mesh's stream, or `stream` again. `of_worlds`: selects the text of an
-    /// error.
+    /// far is complete. `other`: the second mesh's stream, or `stream` again. `of_worlds`: true for a launch on worlds;
+    /// selects the text of the error about a capture without the calls that have to precede it.
     LaunchNumber launch(Finder& finder, cudaStream_t stream, cudaStream_t other,
                         FunctionRef<void(std::size_t slot, Growth growth)> bind, bool of_worlds = false);
 
@@ -29,7 +29,7 @@ class Launches {
         incomplete,  ///< the last replay has left only a part of the result
         lost,        ///< the result has to be found again
     };
-    /// Throws Error unless this is the oldest launch in flight, or the one that is replayed.
+    /// Throws Error unless this is the oldest launch in flight, or the one in a caller's graph, which replays repeat.
     void check_awaited(LaunchNumber launch) const;
     /// To be called after check_awaited() with the finder of that launch. Waits for the launch, or reads the result of
     /// its last replay. `revision`: that of the current features; a launch for other features is lost.

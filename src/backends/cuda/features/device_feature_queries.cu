@@ -36,7 +36,8 @@ void FeatureCalls::find_all(const PreparedScene& scene, const FeatureRequest& re
         finder.copy_to(result);
     });
 }
-// Finds all pairs of a part, then drops those that another part owns.
+// For a request about a part (crumple/part.h), finds all pairs among its triangles, then drops those that another part
+// owns.
 void FeatureCalls::find(const PreparedScene& scene, const FeatureRequest& request, FeatureResult& result) {
     if (!request.part) return find_all(scene, request, result);
     FeatureRequest all = request;

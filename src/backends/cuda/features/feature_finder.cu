@@ -75,7 +75,7 @@ bool FeatureFinder::write_rows(Counters* host_counters) {
     return is_all_output() || is_first_output();
 }
 
-// Appends the hits of the host, and ranks all hits anew.
+// Appends the hits that the host has decided (decided_) to the list on the device, and ranks all hits anew.
 void FeatureFinder::append_decided(std::size_t count, unsigned long long before) {
     Block block(meter_);
     RankedHit* device = nullptr;
@@ -134,7 +134,8 @@ void FeatureFinder::find_in_chunks() {
     write_sorted(found);
 }
 
-// Appends the hits of a slice. Returns false if the search can end.
+// Runs `narrow` on a slice, and appends its hits to `found`; for a flag, only notes whether there is one. Returns false
+// if the search can end.
 bool FeatureFinder::download_slice(Array<RankedHit>& found) {
     narrow();
     const Counters counters = read_counters();

@@ -11,7 +11,7 @@
 
 namespace crumple::cuda {
 
-/// Per-slot state, beside RowSlot.
+/// State of one slot for impacts and near pairs, in addition to RowSlot.
 struct FeatureSlot {
     FeatureSlot(cudaStream_t stream, MemoryMeter& meter) : features(stream, meter) {}
 

@@ -69,8 +69,8 @@ class FeatureInput {
     /// Binds radii and a rest shape that the caller has on the device.
     void view(const PreparedScene& scene, const FeatureRequest& query, FeaturesOnDevice& features, Growth growth);
 
-    /// Enqueues the work that each pass does after the scene's box has been computed: checks radii and rest positions
-    /// on the device, normalises radii, and computes the inflation.
+    /// Enqueues the work that each pass does after the scene's box has been computed: checks the radii and rest
+    /// positions that the caller has on the device, normalises radii, and computes the inflation.
     void enqueue(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const SceneBox* box,
                  Counters* counters) const;
 

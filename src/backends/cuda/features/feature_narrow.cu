@@ -170,7 +170,8 @@ __global__ void codimensional_tests_kernel(FeatureSurvivors<moments> survivors, 
     }
 }
 
-// Adds a hit. All lanes of a warp call it together.
+// Counts the lane's test if `is_hit`, by first feature, and lists it with its rank; if one hit is enough, only counts
+// it in the list's counter. All lanes of a warp call it together.
 __device__ void add(const FeatureHits& hits, bool is_hit, FeatureKind kind, const Pair& pair, const Decided& found) {
     if (hits.any) return tally(is_hit, hits.list.count);
     std::uint32_t first = 0, rank = 0;

@@ -1,8 +1,8 @@
 #pragma once
 
 // Stage `narrow` for feature queries: expands pairs of triangles to tests of feature pairs, drops most of these tests
-// by float32 filters, and decides the others, in two steps (feature_decisions.h). Tests that remain open are packed for
-// the host's rational arithmetic.
+// by float32 filters, and decides the others, in two steps (feature_decisions.h). Tests that remain open (`beyond`) are
+// packed for the host's rational arithmetic.
 //
 //     survivors --list--> tests, by kind --decide--> open, by kind --close--> beyond
 //                                          \-> hits              \-> hits
@@ -19,7 +19,8 @@
 
 namespace crumple::cuda {
 
-/// Pair of features in the result; `rank` among pairs of the same first feature.
+/// Pair of features in the result; `rank`: its index among pairs of the same first feature; `flag` and `value`: those
+/// of Decided.
 struct RankedHit {
     std::uint32_t first;  ///< in joint numbering (FirstOfKind)
     std::int32_t second;
@@ -54,8 +55,9 @@ struct FeatureSurvivors {
     const FeatureRecord<moments>* record;
 };
 
-/// Lists the tests that the filters leave: of all kinds if the scene has codimensional edges or points (`all_kinds`),
-/// else of vertex_face and edge_edge.
+/// Lists the tests that the filters leave: of all kinds if there are codimensional edges or points, which the caller
+/// lists and which are not simply the triangles' (`all_kinds`), else of vertex_face and edge_edge. `ends`: see Widened
+/// (stages/primitive.h).
 template <int moments>
 void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurvivors<moments>& survivors,
                 const PointRows& points, std::int32_t ends, const FeatureConditions& asked, bool all_kinds,
@@ -67,11 +69,11 @@ void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedS
                   const FeatureConditions& asked, bool all_kinds, const TestLists& tests, const TestLists& open,
                   const List<UnresolvedTest>& beyond, const FeatureHits& hits);
 
-/// Launches the kernels that use their stacks, without tests, so that the driver reserves the stacks. All counters must
+/// Launches the kernels that need large stacks, on no tests, so that the driver reserves the stacks. All counters must
 /// be 0.
 void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
-/// Gathers all data that decisions about open tests need.
+/// Gathers, for `count` tests that the host has to decide, all data that it needs to decide them.
 void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
                 const FeatureConditions& asked, const UnresolvedTest* tests, std::size_t count, PackedFeatures* cases);
 

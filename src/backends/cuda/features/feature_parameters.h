@@ -10,7 +10,8 @@
 
 namespace crumple::cuda {
 
-/// Device copy of VertexRings: the vertices near each vertex, all by representative vertex.
+/// Device copy of VertexRings: the vertices near each vertex. Of vertices that are welded, only the representative
+/// (FeatureTable::name) has a ring and is in rings.
 struct RingTable {
     const std::int32_t* of = nullptr;     ///< rings, one after another, each ascending; null: no rings
     const std::int64_t* first = nullptr;  ///< start of each vertex's ring in `of`; and the end

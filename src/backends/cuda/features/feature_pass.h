@@ -12,7 +12,7 @@ class FeaturePass : public Pass {
     using Pass::Pass;
 
     FeatureConditions asked;
-    bool all_kinds = false;  ///< true if the scene has codimensional edges or points
+    bool all_kinds = false;  ///< true if codimensional edges or points, which the caller lists, need all FeatureKinds
 
     void cut(ArenaLayout& cutter) override;
     void sort() override;

@@ -30,7 +30,8 @@ struct FeatureMemberRows {
     }
 };
 
-/// Filter that drops pairs which some direction separates by more than the distance of the query.
+/// Filter that drops pairs which some direction separates by more than both the query's distance (or the sum of the
+/// triangles' radii) and the given fraction of the distance at the start (NeededGap).
 template <int moments>
 struct SeparatingAxisTest {
     const FeatureRecord<moments>* record;

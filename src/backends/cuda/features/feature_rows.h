@@ -8,10 +8,13 @@
 
 namespace crumple::cuda {
 
+/// Arrays on the device in which the rows of impacts or near pairs are made, with the keys by which they are sorted.
+/// CandidateOutput is that of candidates.
 struct FeatureOutput : RowsByKind {
-    using Key = std::uint64_t;  ///< the second feature in the upper half, its place in the list of hits in the lower
-    Key* second;
-    const RankedHit* hits;
+    /// Upper half: second feature of a pair; lower half: index of the pair in the list of hits.
+    using Key = std::uint64_t;
+    Key* second;            ///< by pair, in buckets by first feature
+    const RankedHit* hits;  ///< the list of hits
 
     void cut(ArenaLayout& cutter, const FirstOfKind& features, std::size_t most);
 
@@ -37,7 +40,8 @@ void write_feature_rows(const Geometry& geometry, cudaStream_t stream, const Fea
 
 /// Earliest impact among listed hits: the least value, ties broken by the order of the result.
 struct Earliest {
-    unsigned long long value, pair;  ///< bits of a double >= 0; first feature in the upper half, second in the lower
+    /// Bits of the toi; first feature, in joint numbering (FirstOfKind), in the upper half, and second in the lower.
+    unsigned long long value, pair;
     unsigned long long flag;
 };
 void clear(BatchedClear& batch, Earliest* earliest);

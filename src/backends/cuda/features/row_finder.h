@@ -14,7 +14,7 @@
 
 namespace crumple::cuda {
 
-/// Per-slot state of requests about features.
+/// State of one slot, for requests about features; a slot belongs to one launch (engine/finder.h).
 struct RowSlot {
     explicit RowSlot(MemoryMeter& meter) : host(&meter) {}
 
@@ -30,13 +30,14 @@ struct RowSlot {
 class RowFinder : public Finder {
    public:
     /// Make a slot current, drop its last rows, and bind the request: for a scene on the host, or for a mesh on the
-    /// device whose counts match the features.
+    /// device with as many triangles, edges and points as the request's features were made from.
     void bring(std::size_t slot, const PreparedScene& scene, const FeatureRequest& request);
     void view(std::size_t slot, const Shape& shape, const FeatureRequest& request, Growth growth = Growth::grows);
     void copy_to(FeatureResult& result);
     /// Returns the rows on the device; uploads them if they lie on the host.
     AnyDeviceResult show();
-    /// Result of an incomplete replay.
+    /// Returns the result of a replay that has not left the whole result, because a list was too short or the mesh has
+    /// changed: no rows, and the number of hits that were counted.
     AnyDeviceResult show_incomplete() const;
 
     void release() override;
@@ -52,7 +53,7 @@ class RowFinder : public Finder {
     RowSlot& found() { return found_[current()]; }
     const RowSlot& found() const { return found_[current()]; }
     const FeatureRequest& request() const { return *found().request; }
-    /// Begins a result that is found in chunks, on the host.
+    /// Begins a result whose rows are found in chunks and collected on the host.
     void begin_on_host();
 
     bool is_any_output() const override { return request().extent == Extent::any; }

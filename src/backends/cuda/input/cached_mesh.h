@@ -16,7 +16,8 @@ struct MeshChanged {};
 
 /// Corners, edges and points of a cached mesh. Pointers refer to device memory.
 struct CachedMesh {
-    const std::int32_t* corners = nullptr;  ///< 3 per triangle, then 3 per proxy triangle
+    const std::int32_t* corners = nullptr;  ///< 3 per triangle, then 3 per proxy triangle: a degenerate triangle for an
+                                            ///< edge or a point that no triangle can own
     std::int64_t faces = 0, proxies = 0;
     const Edge* edges = nullptr;  ///< the caller's list, or else those of the triangles
     std::int64_t edge_count = 0;

@@ -15,7 +15,8 @@ namespace {
 constexpr std::int32_t no_vertex = -1;
 constexpr unsigned empty_slot = ~0u;
 
-// Writes one mesh's corners in joint numbering. Indices out of range become no_vertex, which `bounds` reports.
+// Writes one mesh's corners, as vertex indices in which the vertices of a second mesh follow those of the first
+// (`offset`). Indices out of range become no_vertex, which `bounds` reports.
 template <class Reader>
 __global__ void join_kernel(Reader read, std::size_t triangles, std::int64_t vertices, std::int64_t offset,
                             std::int32_t* corners) {

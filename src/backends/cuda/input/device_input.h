@@ -36,8 +36,9 @@ class Input {
 
     /// Uploads a scene from host memory, and returns once the copies are complete.
     void bring(const PreparedScene& host);
-    /// Binds one or two meshes in device memory. Throws Error (invalid_argument) for invalid counts, pointers or groups
-    /// and for arrays that the device cannot read; the work of enqueue() validates the contents.
+    /// Binds one or two meshes in device memory. `weld`: vertices at equal positions become one. Throws Error
+    /// (invalid_argument) for invalid counts, pointers or groups and for arrays that the device cannot read; the work
+    /// of enqueue() validates the contents.
     void view(const MeshView& a, const MeshView* b, bool weld, Growth growth = Growth::grows);
     /// Binds a mesh in device memory for a feature query. Its counts of triangles, edges and points must match the
     /// cached mesh; the work of enqueue() compares the contents.
@@ -46,14 +47,16 @@ class Input {
     /// device names pairs by bodies. Throws Error (invalid_argument) for poses that the device cannot read.
     void pose(std::shared_ptr<const PosedWorlds> worlds, const DevicePoses& poses, bool weld, bool pairs,
               Growth growth = Growth::grows);
-    /// Sets the pair filter: the query's, or that of the world that the scene is made of.
+    /// Sets the pair filter: for bodies under poses that of their world, else the query's.
     void want(const IntersectionQuery& query, Growth growth = Growth::grows);
+    /// Sets an already prepared pair filter, that of a request about features.
     void want(const SceneFilter& rule, Growth growth = Growth::grows);
 
     /// Adds the arrays that the work of enqueue() requires cleared to `batch`.
     void clear(BatchedClear& batch) const;
-    /// Enqueues the work that each pass begins with: validates, joins and welds meshes on the device, or poses bodies,
-    /// and finds their box. Records invalid elements in the counters.
+    /// Enqueues the work that each pass begins with, for inputs on the device: validates, joins and welds meshes,
+    /// compares a mesh with the cached one, or poses bodies; and finds the box. Records invalid or changed elements in
+    /// the counters.
     void enqueue(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
     /// Throws the Error that the counters report, if any, or MeshChanged.

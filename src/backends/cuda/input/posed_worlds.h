@@ -40,7 +40,8 @@ class PosedWorlds {
     /// Returns a number that is unique in this process.
     std::uint64_t number() const { return number_; }
 
-    /// Writes the posed vertices, widens the box by them and records the lowest one that is not finite in the counters.
+    /// Writes the posed vertices, widens the box by them, and records in the counters the lowest one that is not
+    /// finite.
     void pose(const Geometry& geometry, cudaStream_t stream, const DevicePoses& poses, std::byte* vertices,
               SceneBox* box, Counters* counters) const;
 
@@ -57,7 +58,7 @@ class PosedWorlds {
     WorldNames names_;
     std::byte* shapes_ = nullptr;
     StaticBody* bodies_ = nullptr;
-    std::uint32_t* first_body_ = nullptr;  ///< body of the first vertex of each tile
+    std::uint32_t* first_body_ = nullptr;  ///< body of the first vertex of each tile of 256; and the last body
     std::uint64_t number_;
 };
 

@@ -16,7 +16,7 @@ namespace crumple::cuda {
 struct WorldNames {
     const std::int32_t* classes_of = nullptr;      ///< class of each triangle of the scene
     const BodyClass* classes = nullptr;            ///< body and group of each class
-    const std::int32_t* first_of_class = nullptr;  ///< by class: first triangle of its body
+    const std::int32_t* first_of_class = nullptr;  ///< by class: first triangle of its body in the scene
     const std::int64_t* first_of_world = nullptr;  ///< by world: first triangle; worlds + 1
     std::int32_t worlds = -1;                      ///< -1: the scene is not made of worlds
     bool pairs = false;                            ///< true if pairs by bodies are requested

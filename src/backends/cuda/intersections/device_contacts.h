@@ -17,7 +17,7 @@ struct ContactArrays {
     ContactKind* kinds;           ///< by pair
     unsigned long long* offsets;  ///< pairs + 1; before pack_contacts(): number of points of each pair
     Point* points;                ///< points of all pairs, one after another, after pack_contacts()
-    Point* loose;                 ///< 6 places per pair, before pack_contacts()
+    Point* loose;                 ///< points of each pair, in 6 places per pair, until pack_contacts()
     unsigned long long* open;     ///< indices of pairs that are left to the host
     unsigned long long* open_count;
     void* scan;  ///< scratch of CUB for prefix sums

@@ -23,9 +23,10 @@ void IntersectionFinder::flag_worlds(std::span<std::uint8_t> flags) {
     if (!fits_at_once([&] { flag_worlds_at_once(flags); })) refuse_worlds();
 }
 
-// Works in two rounds, because a hit is known only after a sweep. If many pairs collide, a sixteenth of the sweep finds
-// one, and the kernels of the second round end at once; if none does, the first round costs three launches. The second
-// round appends to the first one's list of survivors, so the survivors of the first round are narrowed once more.
+// Works in two rounds of `sweep` and `narrow`, because hits are known only after both. If many pairs collide, a
+// sixteenth of the sweep finds one, and the kernels of the second round end at once; if none does, the first round
+// costs three launches. The second round appends to the first one's list of survivors, so the survivors of the first
+// round are narrowed once more.
 bool IntersectionFinder::any_at_once() {
     const auto rounds = [&] {
         unsigned long long* const found = &pass_.counters->hits;
@@ -42,9 +43,9 @@ bool IntersectionFinder::any_at_once() {
     }
 }
 
-// Works in two rounds, because a hit is known only after a sweep. The first one sweeps every sixteenth unit, some of
-// each world; the second one all units of worlds without a hit. Hits remain valid if a list was too short, and worlds
-// that have one are not swept again.
+// Works in two rounds of `sweep` and `narrow`, because hits are known only after both. The first one sweeps every
+// sixteenth unit, some of each world; the second one all units of worlds without a hit. Hits remain valid if a list was
+// too short, and worlds that have one are not swept again.
 void IntersectionFinder::flag_worlds_at_once(std::span<std::uint8_t> flags) {
     const auto rounds = [&] {
         const WorldHits found{input().worlds().found(), static_cast<std::uint32_t>(pass_.plan.leaves_a_world())};

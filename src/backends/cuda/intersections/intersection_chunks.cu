@@ -42,7 +42,8 @@ unsigned long long IntersectionFinder::count_in_chunks() {
 
 bool IntersectionFinder::any_in_chunks() { return pass_over_chunks({Hits::Mode::any, {}, nullptr, nullptr}) > 0; }
 
-// Returns the number of pairs. For Mode::any, stops after the first slice with a hit.
+// Searches all chunks, and records the pairs as `hits` demands. Returns their number. For Mode::any, stops after the
+// first slice with a hit.
 std::size_t IntersectionFinder::pass_over_chunks(Hits hits) {
     std::size_t found = 0;
     over_chunks([&] {

@@ -36,7 +36,8 @@ class IntersectionFinder final : public Finder {
     void copy_to(Intersections& result);
     /// Returns the result of find() and make_contacts(), on the device.
     DeviceIntersections show() const;
-    /// Result of an incomplete replay.
+    /// Returns the result of a replay that has not left the whole result, because a list was too short: no pairs, and
+    /// the number of hits that were counted.
     DeviceIntersections show_incomplete() const;
     /// Copies a result to the host whose contacts, if requested, have been made.
     void download(Intersections& result) { answer().copy_to(scene(), query().contacts(), result); }

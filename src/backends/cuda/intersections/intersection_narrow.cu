@@ -9,7 +9,8 @@
 namespace crumple::cuda {
 namespace {
 
-// Records the lane's pair if it collides; `a` must be less than `b`. All lanes of a warp call it together.
+// Records the lane's pair if it collides; `a` must be less than `b`. `second`: number of triangles of the first of two
+// meshes, else 0. All lanes of a warp call it together.
 __device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t b, std::int32_t second) {
     if (hits.mode == Hits::Mode::any) return tally(is_hit, hits.list.count);
     unsigned long long rank = 0;

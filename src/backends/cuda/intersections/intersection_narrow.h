@@ -54,7 +54,8 @@ void append_hits(const Geometry& geometry, cudaStream_t stream, const Pair* pair
 /// Counts and ranks the list's hits by first triangle anew.
 void rank_hits(const Geometry& geometry, cudaStream_t stream, const List<Hit>& hits, unsigned long long* by_first);
 
-/// Records pairs (in joint numbering, lower id first) that the host has decided.
+/// Records colliding pairs that the host has found, lower id first; the triangles of a second mesh are numbered after
+/// those of the first.
 void add_hits(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene, const Pair* pairs,
               std::size_t count, const Hits& hits);
 

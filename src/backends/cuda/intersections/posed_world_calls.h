@@ -21,8 +21,8 @@ class PosedWorldCalls {
     std::shared_ptr<const PosedWorlds> bodies_of(const World& world, const PairFilter& rules, ParallelFor& workers,
                                                  Growth growth = Growth::grows);
 
-    /// Fills the result. Our stream must already wait for the stream of the poses. Returns false if one scene cannot
-    /// hold the worlds. Throws MemoryMeter::Exceeded if memory does not hold all of them at once.
+    /// Fills the result. The backend's own stream must already wait for the stream of the poses. Returns false if one
+    /// scene cannot hold the worlds. Throws MemoryMeter::Exceeded if memory does not hold all of them at once.
     bool find(const World& world, const IntersectionQuery& query, ParallelFor& workers, Intersections& result);
 
     void release();

@@ -24,7 +24,8 @@ void measure_extent(const Geometry& geometry, cudaStream_t stream, int leaves, c
                     const Members& members, const PreparedScene& scene, const Primitives& primitives,
                     const Points& points, const Ball* balls, const Frames& frames);
 
-/// Returns an upper bound on the |coordinates| of the ball's primitive, relative to the origin.
+/// Returns an upper bound on the |coordinates|, along the scene's axes and relative to `origin`, of a primitive whose
+/// ball this is.
 __device__ inline float ball_extent(const Ball& ball, const Vec3f& origin) {
     return (largest(abs(Vec3f{ball.x, ball.y, ball.z} - origin)) + ball.r) * 1.00001f;
 }

@@ -110,7 +110,7 @@ __global__ void widened_bounds_kernel(PreparedScene scene, Primitives primitives
 }  // namespace
 
 void clear(BatchedClear& batch, Counters* counters) {
-    // Counters of the lowest bad element begin with all bits set, which means that no element is bad.
+    // The counters of the lowest bad or changed element begin with all bits set, which means that there is none.
     constexpr std::size_t noted = offsetof(Counters, places);
     static_assert(noted == 8 * sizeof(unsigned long long));
     batch.add(counters, noted, ~0u);

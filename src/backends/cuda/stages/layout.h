@@ -3,17 +3,20 @@
 // Arrays that the stages of the cuda backend pass on, all in device memory: structs of plain pointers, passed to
 // kernels by value. Finder (engine/finder.h) owns the memory.
 //
+// The scene is divided into clusters, and these into leaves; they overlap. A member is a triangle in a cluster or leaf.
+//
 //   bounds      scene            -> Points (one row of four per vertex), balls (one per triangle)
-//   subdivide   balls            -> Level: one mask per item; Members: leaf after leaf, each in no order
+//   subdivide   balls            -> Level: one mask per item; Members: cluster after cluster, then leaf after leaf,
+//                                   in no order within each
 //   align       members, balls   -> one Frame per leaf
 //   sort        members, frames  -> Sorted: members of each leaf by start along its first axis, and their boxes; the
 //                                   query's own records of the members; units of work
-//   sweep       Sorted, units    -> survivors: pairs whose boxes overlap and that the query's filter keeps
+//   sweep       Sorted, units    -> survivors: pairs that a leaf owns, whose boxes overlap, and that the filters keep
 //   narrow      survivors        -> hits
-//   output      hits             -> pairs, offsets, hit flags
+//   output      hits             -> rows of the result; for intersections: pairs, offsets, hit flags
 //
-// Data that affects cost but not results (centres, frames, places of members) comes from the previous pass. Each pass
-// computes it for the next one, in parallel to the stages (WarmStart).
+// Data that affects cost but not results (centres, frames, places of members) comes from the previous pass, if
+// Plan::warm_started. Such a pass also computes it for the next one, in parallel to the stages (WarmStart).
 //
 // Only the device learns the numbers of members, survivors and hits. The host gives each list a capacity. A kernel that
 // meets a full list keeps counting without writing; when the host reads the counters (wait), it grows the list and
@@ -58,14 +61,16 @@ struct Counters {
     unsigned long long units;        ///< units of the sweep
     unsigned long long members[2];   ///< memberships of each level
     unsigned long long unplaced[2];  ///< memberships without a place in their child
-    unsigned long long interval_tests, box_overlaps;  ///< pairs of a row and a column; those whose boxes overlap
-    unsigned long long survivors;                     ///< pairs that the filter of the sweep keeps
-    unsigned long long doubles;                       ///< survivors unresolved by the float32 filter
-    unsigned long long undecided;                     ///< pairs unresolved by the float64 filter
-    unsigned long long beyond;                        ///< pairs, or tests of features, that the host has to decide
-    unsigned long long listed;                        ///< tests of features that pairs of triangles expand to
-    unsigned long long tests[feature_kinds];          ///< tests that the filters keep, by FeatureKind
-    unsigned long long open[feature_kinds];           ///< tests that quick() leaves undecided, by FeatureKind
+    /// Pairs of a row and a column (SortedRow); those of them without a common bit of SortedRow::conflict whose boxes
+    /// overlap.
+    unsigned long long interval_tests, box_overlaps;
+    unsigned long long survivors;             ///< pairs that the filter of the sweep keeps
+    unsigned long long doubles;               ///< intersections: survivors unresolved by the float32 filter
+    unsigned long long undecided;             ///< intersections: survivors unresolved by the float64 filter
+    unsigned long long beyond;                ///< pairs, or tests of features, that the host has to decide
+    unsigned long long listed;                ///< tests of features that pairs of triangles expand to
+    unsigned long long tests[feature_kinds];  ///< tests that the filters keep, by FeatureKind
+    unsigned long long open[feature_kinds];   ///< tests left to the second step of the decision, by FeatureKind
     unsigned long long hits;
     unsigned long long parts;  ///< parts of long rows of the result (RowPart)
 };
@@ -89,7 +94,7 @@ struct Level {
     int parents, fan_out;
     Segments items_of;               ///< items of each parent; null: a single parent
     unsigned long long items;        ///< number of items, for a single parent
-    const std::int32_t* triangle;    ///< by item; null: the index of the item
+    const std::int32_t* triangle;    ///< by item: its triangle; null: item i is triangle i
     const Row<float>* centre;        ///< centres of all children: parents * fan_out
     Row<float>* next_centre;         ///< centres for the next pass
     float* moved;                    ///< by parent: largest movement of a next centre in the last iteration
@@ -113,7 +118,7 @@ struct BinnedFrame : LeafFrame {
 
 /// BinnedFrame, with bounds that depend on where the leaf's members are.
 struct Frame : BinnedFrame {
-    float reach;   ///< extent: bound on |coordinates| of corners of members that are not big, from the origin
+    float reach;   ///< extent: bound on |coordinates| of corners of members that are not big (LeafFrame)
     float margin;  ///< error bound of a coordinate in the frame (docs/align.md)
 };
 
@@ -144,7 +149,9 @@ struct alignas(16) CrossBox {
 /// Member in sorted order. Its columns are the rows after it, up to `end`.
 struct alignas(16) SortedRow {
     CrossBox box;
-    std::uint64_t conflict;  ///< bits of lower children (last level) and of its side; see Ownership
+    /// Bits of the lower-numbered children of the last level that the triangle also belongs to and, between two meshes,
+    /// a bit for its mesh. The leaf does not own pairs with a common bit; see Ownership.
+    std::uint64_t conflict;
     std::uint32_t end;
     std::int32_t triangle;
 };
@@ -176,7 +183,8 @@ struct alignas(8) BucketedPair {
     std::int32_t first, second;
 };
 
-/// Colliding pair in joint numbering, lower id first; `rank` is its index among the pairs of the same first triangle.
+/// Colliding pair, lower id first; `rank` is its index among the pairs of the same first triangle. In this joint
+/// numbering the triangles of a second mesh follow those of the first.
 struct Hit {
     std::int32_t a, b;
     std::uint32_t rank;

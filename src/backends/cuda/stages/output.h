@@ -11,8 +11,8 @@
 
 namespace crumple::cuda {
 
-/// Part of a long row of the result. A row consists of the pairs with one first element. In a short row each pair finds
-/// its place by comparison with all others; a long one is sorted part by part, then merged.
+/// Part of a long row of the result. A row consists of all pairs with the same first element. In a short row each pair
+/// finds its place by comparison with all others; a long one is sorted part by part, then merged.
 struct RowPart {
     std::int32_t row;      ///< first element, a triangle or a feature
     std::uint32_t number;  ///< index of the part in its row
@@ -45,7 +45,8 @@ struct RowsOfOutput {
     unsigned long long capacity;  ///< in pairs
     unsigned long long part_capacity;
 
-    /// Returns the number of pairs; 0 if they exceed the capacity, because then some were not written.
+    /// Returns the number of pairs, of n first elements; 0 if they exceed the capacity, because then some were not
+    /// written.
     CRUMPLE_HD unsigned long long total(std::size_t n) const { return offsets[n] <= capacity ? offsets[n] : 0; }
 };
 
@@ -55,7 +56,8 @@ struct OutputArrays : RowsOfOutput {
     unsigned long long* next;  ///< offsets, incremented as pairs are written to their buckets (Hits::Mode::fill)
     BucketedPair* bucketed;    ///< pairs in their buckets; unsorted within a bucket
     Pair* pairs;
-    std::uint8_t *hit, *hit_second;  ///< flags by triangle of each mesh; equal for a single mesh; whole_words() bytes
+    /// Flags by triangle of the first and of the second mesh, of whole_words() bytes; the same array for a single mesh.
+    std::uint8_t *hit, *hit_second;
 
     __device__ std::int32_t first_of(unsigned long long i) const { return bucketed[i].first; }
     __device__ Key key(unsigned long long i) const { return bucketed[i].second; }

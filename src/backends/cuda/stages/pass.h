@@ -58,7 +58,8 @@ class Pass {
 
     /// Adds to `batch` all that has to be cleared before a pass, or before another call of subdivide_clusters().
     void clear(BatchedClear& batch) const;
-    /// Clears the counters that another slice of a sweep counts anew: all but those of bad elements, places and units.
+    /// Clears the counters from Counters::members on, before another slice of a sweep. Those of bad or changed
+    /// elements, of places and of units stay.
     void clear_counters();
 
     Counters* counters = nullptr;

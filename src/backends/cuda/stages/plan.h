@@ -53,8 +53,8 @@ struct Plan {
         // Each leaf's members, and its units, are rounded up to whole warps.
         reserve(n, 1024 + 64 * static_cast<unsigned long long>(leaves()));
     }
-    /// Chooses clusters and capacities for a feature query. `all_kinds`: codimensional edges or points add tests of
-    /// further kinds.
+    /// Chooses clusters and capacities for a feature query. `all_kinds`: codimensional edges or points, which
+    /// the caller lists, add tests of further kinds.
     void choose_features(std::int64_t n, bool all_kinds, const Options& options) {
         choose(n, false, options);
         for (std::size_t k = 0; k < (all_kinds ? feature_kinds : 2u); ++k)
@@ -75,8 +75,8 @@ struct Plan {
         hits = 0;
     }
 
-    /// Chooses clusters and capacities for a candidate query: most pairs of triangles whose boxes overlap yield
-    /// candidates.
+    /// Chooses clusters and capacities for a candidate query: most pairs of triangles whose boxes overlap yield pairs
+    /// of features.
     void choose_candidates(std::int64_t n, const Options& options) {
         choose(n, false, options);
         survivors *= 4;

@@ -12,9 +12,9 @@
 
 namespace crumple::cuda {
 
-/// Ownership of pairs: a leaf owns a pair iff both triangles belong to it and share no lower-numbered cluster on any
-/// level. The clusters of the last level are bits of SortedRow::conflict. The upper level is looked up for pairs
-/// without a common bit there.
+/// Ownership of pairs: a leaf owns a pair iff both triangles belong to it, and share no cluster or leaf whose number on
+/// its level is lower than that of this leaf or of its cluster. The clusters of the last level are bits of
+/// SortedRow::conflict. The upper level is looked up for pairs without a common bit there.
 struct Ownership {
     const std::uint64_t* upper_mask;  ///< by triangle: clusters of the first of two levels; or null
     const std::uint64_t* last_mask;   ///< by member of the first level; by triangle if there is one level

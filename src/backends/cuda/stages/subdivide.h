@@ -18,7 +18,7 @@ namespace crumple::cuda {
 struct Fuzziness {
     float t = 2;  ///< exponent of memberships
     int iterations = 2;
-    float stop = 0;      ///< largest movement of a centre that ends the iteration
+    float stop = 0;      ///< the iteration ends once no centre moves further than this
     bool first = false;  ///< starts the centres anew, on points spread over the items
     int samples = 2048;  ///< most samples of a parent's items
 };
@@ -26,7 +26,7 @@ struct Fuzziness {
 /// Adds Level::moved to `batch`, to be set to infinity before fuzzy_c_means().
 void clear(BatchedClear& batch, const Level& level);
 
-/// Returns the rows of scratch that fuzzy_c_means() needs, for partial sums of tiles of samples.
+/// Returns the number of rows of scratch that fuzzy_c_means() needs, for partial sums over tiles of samples.
 std::size_t fuzzy_scratch(const Level& level, const Fuzziness& fuzziness);
 
 /// Adds to `batch` what must be zero before make_members(): the number of members of each child, and both counters.
