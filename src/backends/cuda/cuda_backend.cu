@@ -50,7 +50,6 @@ class CudaBackend final : public BackendBase {
 
     int worlds_at_once() const override { return max_leaves; }
 
-    using BackendBase::find;  // keeps the base class's overloads visible
     void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
               Intersections& result) override {
         on_device(
