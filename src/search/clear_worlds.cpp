@@ -8,6 +8,7 @@ void ClearWorlds::release() {
     forget();
     bodies_ = {};
     marks_ = {};
+    near_ = NearBodies(&meter_);
 }
 
 void ClearWorlds::read(const WorldOutline& outline, const BodyFilter& rules, bool step, double reach) {

@@ -19,7 +19,7 @@ namespace crumple {
 
 class ClearWorlds {
    public:
-    ClearWorlds(MemoryMeter& meter, ShapeTrees& trees) : trees_(trees), near_(&meter) {}
+    ClearWorlds(MemoryMeter& meter, ShapeTrees& trees) : meter_(meter), trees_(trees), near_(&meter) {}
 
     /// Group of triangles that may be near another body: a leaf of the tree of a body's shape.
     struct Mark {
@@ -55,6 +55,7 @@ class ClearWorlds {
     bool may_meet(std::int32_t a, std::int32_t b) const;
     void mark(std::int32_t a, std::int32_t node_a, std::int32_t b, std::int32_t node_b);
 
+    MemoryMeter& meter_;
     ShapeTrees& trees_;
     const WorldOutline* outline_ = nullptr;
     const BodyFilter* rules_ = nullptr;

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "crumple/crumple.h"
+#include "search/clear_worlds.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple::test {
@@ -63,6 +64,23 @@ TEST(ClearWorlds, hit_flags_match_brute_force_though_clear_worlds_are_skipped) {
 }
 
 /// Uses a body that is 2 above an equal body.
+TEST(ClearWorlds, release_frees_all_memory) {
+    const Moving moving(3, {.shapes = 2, .bodies = 40, .worlds = 5, .named = 1});
+    MemoryMeter meter;
+    WorldOutline outline(&meter);
+    outline.read(moving.view(), {});
+    BodyFilter filter(&meter);
+    filter.prepare({});
+    ShapeTrees trees(meter);
+    ClearWorlds worlds(meter, trees);
+    const std::int64_t before = meter.used;
+    worlds.read(outline, filter, true, 0);
+    trees.release();
+    EXPECT_GT(meter.used, before);
+    worlds.release();
+    EXPECT_EQ(meter.used, before);
+}
+
 TEST(ClearWorlds, bodies_at_exactly_the_distance_are_found) {
     const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
