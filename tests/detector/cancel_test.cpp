@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "crumple/error.h"
+#include "detector/each_check_polls.h"
 #include "rounds.h"
 #include "soups.h"
 
@@ -130,6 +131,7 @@ TEST(Cancellation, earlier_stop_request_ends_every_call) {
 
 TEST(Cancellation, exception_of_poll_ends_the_call) {
     struct Interrupt {};
+    const test::EachCheckPolls each_check_polls;
     for (const Case& c : cases()) {
         SCOPED_TRACE(c.name);
         const auto soup = test::random_soup(c.triangles, c.size);

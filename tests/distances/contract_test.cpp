@@ -7,6 +7,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "detector/each_check_polls.h"
 #include "distances/compare_nearest.h"
 #include "error_of.h"
 #include "memory_limit.h"
@@ -223,7 +224,8 @@ TEST(DistanceCalls, call_stops_at_the_first_poll_after_cancellation) {
     const std::vector<Body> bodies(200);
     std::vector<Pose> poses;
     for (int i = 0; i < 200; ++i) poses.push_back(moved(0.01 * i, 2.5 * i));
-    Detector detector({.backend = Backend::cpu, .threads = 2});
+    const test::EachCheckPolls each_check_polls;
+    Detector detector({.backend = Backend::cpu, .threads = 1});
     std::stop_source stop;
     int polls = 0;
     detector.set_poll([&] { ++polls, stop.request_stop(); });
