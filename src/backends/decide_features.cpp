@@ -58,7 +58,7 @@ class Nearness {
         return distance_.within(distance_limit_of(kind, vertex, query)) &&
                !(query.rest && close_in_rest_shape(kind, vertex, *query.rest, by_));
     }
-    bool near(const PackedFeatures& pair, double rest_radius) {
+    bool near(const FeaturesToDecide& pair, double rest_radius) {
         return distance_.within(pair.reach) &&
                !(pair.has_rest && close_in_rest_shape(pair.kind, pair.rest, rest_radius, by_));
     }
@@ -96,7 +96,7 @@ bool surely_later(FeatureKind kind, const PreparedScene& scene, const std::int32
     return surely_later(kinds_of(kind), points_of(scene, vertex), {query.distance, query.share}, time);
 }
 
-FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts) {
+FeatureDecision decide(const FeaturesToDecide& pair, const FeatureRequest& query, FeatureCounts& counts) {
     ++counts.tests;
     if (query.criterion == Criterion::impact) return impact(pair.kind, pair.points, query, counts);
     Nearness near(pair.kind, pair.points);

@@ -7,7 +7,7 @@
 
 #include "exact/proximity/guess_batch.h"
 #include "filters/features/feature_points.h"
-#include "filters/features/packed_features.h"
+#include "filters/features/features_to_decide.h"
 #include "queries/feature_request.h"
 
 namespace crumple {
@@ -33,7 +33,7 @@ bool surely_later(FeatureKind kind, const PreparedScene& scene, const std::int32
                   const FeatureRequest& query, double time);
 
 /// Decides a pair that a device could not decide, from the input that it has passed to the host.
-FeatureDecision decide(const PackedFeatures& pair, const FeatureRequest& query, FeatureCounts& counts);
+FeatureDecision decide(const FeaturesToDecide& pair, const FeatureRequest& query, FeatureCounts& counts);
 
 /// Decides a proximity, but leaves the distance of a near pair to SIMD lanes: adds the pair to `batch`, which must not
 /// be full, and returns nothing. Returns a decision if the pair is not near, or if rational arithmetic was needed to

@@ -22,8 +22,9 @@ struct Numbered {
 // Sends row(element) for each element to its directory rank, calls answer(rows) there with all received rows, and sends
 // reply(index of the received row) back, which take(element, reply) consumes. Collective.
 template <class Row, class Reply, class MakeRow, class Answer, class MakeReply, class Take>
-void query_keepers(MessageBatches& batches, CollectiveCheck& agree, const std::vector<std::int64_t>& first,
-                   const std::vector<std::int32_t>& elements, MakeRow row, Answer answer, MakeReply reply, Take take) {
+void query_directory_ranks(MessageBatches& batches, CollectiveCheck& agree, const std::vector<std::int64_t>& first,
+                           const std::vector<std::int32_t>& elements, MakeRow row, Answer answer, MakeReply reply,
+                           Take take) {
     Traffic there(batches.transport().size());
     for (std::size_t r = 0; r < there.out.size(); ++r) there.out[r] = first[r + 1] - first[r];
     batches.transport().all_to_all(there.out, there.in);
@@ -97,7 +98,7 @@ void FeatureOwners::own_vertices(MessageBatches& batches, CollectiveCheck& agree
         const std::int64_t begin =
             ByDirectoryRank::block(share.vertices().all, batches.transport().size()) * batches.transport().rank();
         std::vector<std::int32_t> of_block, block_of_row;
-        query_keepers<Least, std::int32_t>(
+        query_directory_ranks<Least, std::int32_t>(
             batches, agree, shared.first, shared.element,
             [&](std::int32_t v) {
                 return Least{share.vertices()(v), least[static_cast<std::size_t>(v)]};
@@ -159,7 +160,7 @@ void FeatureOwners::own_edges(MessageBatches& batches, CollectiveCheck& agree, c
         each([&](std::int32_t slot, std::size_t keeper) { slots[static_cast<std::size_t>(next[keeper]++)] = slot; });
     });
     std::vector<Numbered> numbered;
-    query_keepers<TriangleSide, Numbered>(
+    query_directory_ranks<TriangleSide, Numbered>(
         batches, agree, first, slots, side_of,
         [&](const std::vector<TriangleSide>& sides) {
             std::vector<std::int32_t> order;

@@ -201,14 +201,14 @@ double FeatureBalls::length(double x) const {
 
 FeatureBalls::FeatureBalls(const FeaturePartDemand& query, const Normaliser& normalise)
     : normalise_(normalise), radii_(query.radii) {
-    if (query.distance > 0) half_ = length(query.distance) / 2;
+    if (query.distance > 0) half_distance_ = length(query.distance) / 2;
     if (query.share > 0) path_share_ = query.share / (1 - query.share) * 1.0000001;
 }
 
 PartBall FeatureBalls::operator()(const PreparedScene& scene, std::int64_t t) const {
     const std::int32_t* c = scene.corners + 3 * t;
     const Vec3d end[3] = {scene.end_position(c[0]), scene.end_position(c[1]), scene.end_position(c[2])};
-    double widened = half_;
+    double widened = half_distance_;
     if (!radii_.empty())
         for (int k = 0; k < 3; ++k) widened = std::max(widened, length(radii_[static_cast<std::size_t>(c[k])]));
     return PartBall(scene.triangle(t), end, widened, path_share_, normalise_);

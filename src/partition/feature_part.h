@@ -45,8 +45,8 @@ class FeatureBalls {
 
     Normaliser normalise_;
     std::span<const double> radii_;
-    double half_ = 0, path_share_ = 0;  ///< half the query's distance, and the factor of the longest path
-                                        ///< (inflation.h), in normalised coordinates
+    double half_distance_ = 0, path_share_ = 0;  ///< half the query's distance, and the factor of the longest path
+                                                 ///< (inflation.h), in normalised coordinates
 };
 
 /// Splits a scene into `count` parts, including its proxy triangles (degenerate triangles that own edges and points

@@ -113,7 +113,7 @@ struct GzipBuffer::Deflate {
 };
 
 GzipBuffer::GzipBuffer(std::streambuf& to) : to_(to), deflate_(std::make_unique<Deflate>()) {
-    setp(buffer_.data(), buffer_.data() + buffer_.size());
+    setp(uncompressed_.data(), uncompressed_.data() + uncompressed_.size());
 }
 
 GzipBuffer::~GzipBuffer() = default;
@@ -122,7 +122,7 @@ bool GzipBuffer::compress(bool last) {
     auto& [stream, out] = *deflate_;
     stream.next_in = reinterpret_cast<Bytef*>(pbase());
     stream.avail_in = static_cast<uInt>(pptr() - pbase());
-    setp(buffer_.data(), buffer_.data() + buffer_.size());
+    setp(uncompressed_.data(), uncompressed_.data() + uncompressed_.size());
     do {
         stream.next_out = reinterpret_cast<Bytef*>(out.data());
         stream.avail_out = static_cast<uInt>(out.size());

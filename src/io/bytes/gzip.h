@@ -45,7 +45,7 @@ class GzipBuffer : public std::streambuf {
 
     std::streambuf& to_;
     std::unique_ptr<Deflate> deflate_;
-    std::array<char, 1 << 16> buffer_;  ///< bytes that wait to be compressed
+    std::array<char, 1 << 16> uncompressed_;  ///< bytes that wait to be compressed
 };
 
 }  // namespace crumple::io

@@ -97,7 +97,7 @@ class SelectedLanes {
 template <int threads>
 __global__ void __launch_bounds__(threads)
     pair_kernel(CandidateConditions asked, const CandidateMember* row, List<Candidate> survivors, CandidateHits hits,
-                unsigned long long* codimensional_tests) {
+                unsigned long long* tests_made) {
     auto& shared = dynamic_shared<PairShared<threads>>().warp[threadIdx.x / 32];
     WarpQueue<LanePair> pairs(shared.pairs);
     HitQueue found(shared.hits, hits.list);
@@ -134,7 +134,7 @@ __global__ void __launch_bounds__(threads)
     }
     while (pairs.size()) test();
     found.move();
-    if (threadIdx.x % 32 == 0 && tests) atomicAdd(codimensional_tests, tests);
+    if (threadIdx.x % 32 == 0 && tests) atomicAdd(tests_made, tests);
 }
 
 __global__ void within_kernel(PreparedScene scene, PairSelection pairs, CandidateConditions asked, CandidateHits hits) {

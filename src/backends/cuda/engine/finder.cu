@@ -66,7 +66,7 @@ bool Finder::pass_without_rows(FunctionRef<void()> rounds, Counters& counters) {
     cancellation_.check();
     plan();
     place_lists();
-    lists_of_ = nobody;
+    lists_of_ = no_slot;
     BatchedClear batch;
     enqueue_until_sorted(batch, nullptr);
     rounds();
@@ -204,7 +204,7 @@ bool Finder::accept_replay() {
         complete = accept();
     } catch (const MeshChanged&) {  // a caller's graph cannot be given the new mesh's features
     }
-    if (!complete) has_reallocated_ = std::exchange(stages_.plan, slot().plan);
+    if (!complete) plan_of_replay_ = std::exchange(stages_.plan, slot().plan);
     return complete;
 }
 
@@ -239,7 +239,7 @@ void Finder::bind() {
 }
 
 void Finder::plan() {
-    if (has_reallocated_) stages_.plan = *std::exchange(has_reallocated_, std::nullopt);
+    if (plan_of_replay_) stages_.plan = *std::exchange(plan_of_replay_, std::nullopt);
     const SceneKind kind{scene().triangle_count(), scene().between, scene().worlds, all_kinds()};
     if (planned_for_ != kind) choose_plan(stages_.plan);
     planned_for_ = kind;
@@ -253,7 +253,7 @@ void Finder::place_lists() {
     if (layout_done_ == layout()) return;
     state_.launches_in_flight.synchronize();  // passes in flight use memory that may move now
     layout_done_.reset();
-    lists_of_ = nobody;
+    lists_of_ = no_slot;
     place_arrays(warm_starts_, [&](ArenaLayout& c) { stages_.warm_starts.cut(c, stages_.plan); });
     place_arrays(work_, [&](ArenaLayout& c) { stages_.cut(c); });
     layout_done_ = layout();
@@ -298,7 +298,7 @@ bool Finder::free_others() {
 void Finder::release_lists() {
     free_others();
     layout_done_.reset();
-    lists_of_ = nobody;
+    lists_of_ = no_slot;
     work_.release();
 }
 
@@ -312,7 +312,7 @@ void Finder::release() {
     warm_starts_.release();
     graphs_.clear();
     planned_for_ = {};
-    has_reallocated_.reset();
+    plan_of_replay_.reset();
     too_many_ = std::numeric_limits<std::int64_t>::max();
     alone_ = false;
 }

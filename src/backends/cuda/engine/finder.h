@@ -211,7 +211,7 @@ class Finder {
     void place_chunks();
     bool over_slices(FunctionRef<bool()> slice);
 
-    static constexpr std::size_t nobody = LaunchQueue::slots;
+    static constexpr std::size_t no_slot = LaunchQueue::slots;
 
     Pass& stages_;
     StageEvents watch_;
@@ -220,10 +220,10 @@ class Finder {
     CallersCapture capture_;
     Block warm_starts_, work_;
     SceneKind planned_for_;
-    std::size_t now_ = 0;                  ///< current slot
-    std::size_t lists_of_ = nobody;        ///< slot whose pass used the lists last, or nobody
-    std::optional<Layout> layout_done_;    ///< layout of the lists as they are placed now
-    std::optional<Plan> has_reallocated_;  ///< plan that the last incomplete replay requires
+    std::size_t now_ = 0;                 ///< current slot
+    std::size_t lists_of_ = no_slot;      ///< slot whose pass used the lists last, or no_slot
+    std::optional<Layout> layout_done_;   ///< layout of the lists as they are placed now
+    std::optional<Plan> plan_of_replay_;  ///< plan that the last incomplete replay requires
     bool alone_ = false;
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();  ///< triangles of a scene that did not fit
 };

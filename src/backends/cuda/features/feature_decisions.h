@@ -10,7 +10,7 @@
 #include "exact/impact/filtered_impact.h"
 #include "exact/impact/filtered_min_distance.h"
 #include "exact/proximity/filtered_distance.h"
-#include "filters/features/packed_features.h"
+#include "filters/features/features_to_decide.h"
 #include "filters/features/tests_of_pair.h"
 
 namespace crumple::cuda {

@@ -89,14 +89,14 @@ void FeatureFinder::append_decided(std::size_t count, unsigned long long before)
 // Decides on the host, in rational arithmetic, what the device left open.
 std::size_t FeatureFinder::decide_unresolved(std::size_t count) {
     decided_.clear();
-    std::vector<PackedFeatures> cases(std::min(count, batch));
+    std::vector<FeaturesToDecide> cases(std::min(count, batch));
     Block block(meter_);
-    PackedFeatures* device = nullptr;
-    place_arrays(block, [&](ArenaLayout& c) { device = c.take<PackedFeatures>(cases.size()); });
-    fill(stream_, device, 0, cases.size() * sizeof(PackedFeatures));  // padding is copied, too
+    FeaturesToDecide* device = nullptr;
+    place_arrays(block, [&](ArenaLayout& c) { device = c.take<FeaturesToDecide>(cases.size()); });
+    fill(stream_, device, 0, cases.size() * sizeof(FeaturesToDecide));  // padding is copied, too
     for (std::size_t begin = 0; begin < count; begin += batch) {
         const std::size_t some = std::min(batch, count - begin);
-        pack_cases(geometry_, stream_, pass_.scene, pass_.asked, pass_.beyond() + begin, some, device);
+        gather_cases(geometry_, stream_, pass_.scene, pass_.asked, pass_.beyond() + begin, some, device);
         copy_now(stream_, cases.data(), device, some, cudaMemcpyDeviceToHost);
         for (std::size_t i = 0; i < some; ++i) {
             cancellation_.check();

@@ -242,11 +242,11 @@ __global__ void __launch_bounds__(256)
 }
 
 __global__ void pack_kernel(ExactPoints points, FeatureConditions asked, const UnresolvedTest* tests, std::size_t count,
-                            PackedFeatures* cases) {
+                            FeaturesToDecide* cases) {
     for (std::size_t i = grid_thread(); i < count; i += grid_stride()) {
         const UnresolvedTest open = tests[i];
         const auto& v = open.test.vertex;
-        PackedFeatures& made = cases[i];
+        FeaturesToDecide& made = cases[i];
         made.kind = open.kind;
         made.pair = open.test.pair;
         made.points = points.moving(v);
@@ -369,8 +369,9 @@ void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Count
     reserve(true, 1);
 }
 
-void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
-                const FeatureConditions& asked, const UnresolvedTest* tests, std::size_t count, PackedFeatures* cases) {
+void gather_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
+                  const FeatureConditions& asked, const UnresolvedTest* tests, std::size_t count,
+                  FeaturesToDecide* cases) {
     Launch{stream, geometry.blocks(count), geometry.threads}(pack_kernel, ExactPoints{scene, is_aligned(scene)}, asked,
                                                              tests, count, cases);
 }

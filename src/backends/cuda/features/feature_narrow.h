@@ -13,7 +13,7 @@
 #include "backends/cuda/stages/bounds.h"
 #include "backends/cuda/stages/layout.h"
 #include "backends/cuda/stages/primitive.h"
-#include "filters/features/packed_features.h"
+#include "filters/features/features_to_decide.h"
 #include "filters/features/tests_of_pair.h"
 #include "scene/prepared_scene.h"
 
@@ -74,8 +74,9 @@ void decide_tests(const Geometry& geometry, cudaStream_t stream, const PreparedS
 void reserve_feature_stacks(const Geometry& geometry, cudaStream_t stream, Counters* counters);
 
 /// Gathers, for `count` tests that the host has to decide, all data that it needs to decide them.
-void pack_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
-                const FeatureConditions& asked, const UnresolvedTest* tests, std::size_t count, PackedFeatures* cases);
+void gather_cases(const Geometry& geometry, cudaStream_t stream, const PreparedScene& scene,
+                  const FeatureConditions& asked, const UnresolvedTest* tests, std::size_t count,
+                  FeaturesToDecide* cases);
 
 /// Writes hits that the host has found into the list, behind its first `begin` hits.
 void append_hits(const Geometry& geometry, cudaStream_t stream, const RankedHit* found, std::size_t count,

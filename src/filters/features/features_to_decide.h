@@ -19,7 +19,7 @@ CRUMPLE_HD inline DistanceLimit distance_limit_of(FeatureKind kind, const std::i
 }
 
 /// Pair of features that a device could not decide.
-struct PackedFeatures {
+struct FeaturesToDecide {
     FeatureKind kind;
     Pair pair;
     FeaturePoints points;
