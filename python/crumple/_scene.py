@@ -163,7 +163,7 @@ def _check_radius(scene: Any, query: ProximityQuery) -> None:
         raise InvalidInput("radius cannot be given together with radii")
 
 
-#: Type of the result, by the name of the query in methods (Query._call).
+#: Type of the result, by Query._call: the name of the query in names of methods (Detector.impacts, _find_impacts).
 RESULTS: dict[str, type[Result]] = {
     "intersections": Intersections,
     "impacts": Impacts,

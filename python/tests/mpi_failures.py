@@ -276,7 +276,7 @@ def a_signal_ends_a_search_early():
         assert min(cut_short) < whole / 2
 
 
-def error_of_the_progress_callback_ends_the_call():
+def error_of_the_progress_callback_ends_the_call_on_all_ranks():
     mesh = soup(60, size=0.4)
     local = RankMesh(mesh, round_robin(mesh))
     expected = crumple.Detector(**ONE).intersections(mesh)

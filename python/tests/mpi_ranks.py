@@ -258,7 +258,7 @@ def results_of_earlier_frames_stay_valid():
     np.testing.assert_array_equal(pairs, before)
 
 
-def statistics_describe_the_search():
+def statistics_have_phase_times_members_and_bytes_sent():
     mesh = cloth()
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         statistics = detector.find(RankMesh(mesh, round_robin(mesh))).statistics

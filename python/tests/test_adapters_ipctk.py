@@ -165,7 +165,7 @@ def test_step_with_rods_is_the_same_for_either_broad_phase():
     assert times[0] == times[1] < 1
 
 
-def test_normal_collisions_match_those_of_ipctks_broad_phase():
+def test_normal_collisions_match_ipctks_in_count_and_minimum_distance():
     vertices, edges, faces = scene(rods=False)
     mesh, least = ipctk.CollisionMesh(vertices, edges, faces), []
     for broad_phase in (ipctk.LBVH(), adapter.BroadPhase()):
@@ -192,7 +192,7 @@ def test_points_collide_with_points_and_rods():
         assert adapter.compute_collision_free_stepsize(candidates, mesh, vertices, end, 2.5) == 0.5
 
 
-def test_pairs_that_may_not_collide_are_left_out():
+def test_edge_pairs_rejected_by_can_vertices_collide_are_left_out():
     vertices, edges, faces = scene(rods=False)
     broad_phase = adapter.BroadPhase()
     broad_phase.build(vertices, edges, faces, 0.05)

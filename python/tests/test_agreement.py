@@ -110,7 +110,7 @@ def test_pickled_part_gives_the_same_pairs(detector):
         np.testing.assert_array_equal(part.triangles[found.hit], np.unique(found.pairs))
 
 
-def test_detector_options_do_not_change_results():
+def test_threads_clusters_simd_and_memory_limit_do_not_change_results():
     mesh = soup(800)
     expected = crumple.Detector().intersections(mesh, output="contacts")
     for options in [
@@ -125,7 +125,7 @@ def test_detector_options_do_not_change_results():
         same(detector.intersections(mesh, output="contacts"), expected)
 
 
-def test_functions_and_methods_accept_one_or_two_meshes(crossing):
+def test_intersections_and_any_accept_one_or_two_meshes(crossing):
     pairs = crumple.intersections(crossing.vertices, crossing.faces).pairs
     assert pairs.tolist() == [[0, 1]] and pairs.dtype == np.int32
     assert crumple.Detector().any(crossing) is True

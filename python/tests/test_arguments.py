@@ -97,7 +97,7 @@ def test_error_names_the_detector_option_of_wrong_type(options, message):
 
 
 @pytest.mark.parametrize("name", ["threads", "clusters", "leaf_size"])
-def test_error_names_the_option_that_is_too_large(name):
+def test_error_names_the_detector_option_with_a_huge_value(name):
     for value in (10**12, -(10**12), 10**30):
         with pytest.raises(crumple.InvalidInput, match=f"^{name} must be from -2147483648 to 2147483647, not {value}$"):
             crumple.Detector(**{name: value})
@@ -201,7 +201,7 @@ def test_groups_of_every_integer_type_give_the_same_pairs(detector):
         )
 
 
-def test_excluded_groups_can_be_any_iterable(detector):
+def test_excluded_groups_can_be_sets_iterators_views_or_generators(detector):
     mesh = soup(100, size=0.4)._replace(groups=np.arange(100) % 3)
     pairs = [(0, 1), (0, 2)]
     expected = detector.intersections(mesh, filter=crumple.PairFilter(excluded_groups=pairs)).pairs.tolist()
@@ -242,7 +242,7 @@ class Raising:
         lambda value: crumple.Detector().intersections(MESH).save(value),
     ],
 )
-def test_unrelated_errors_raised_by_arguments_propagate(call):
+def test_exceptions_of_arguments_other_than_type_errors_propagate(call):
     for error in (KeyboardInterrupt(), MemoryError(), ZeroDivisionError("inside")):
         with pytest.raises(type(error)):
             call(Raising(error))
@@ -268,7 +268,7 @@ def test_error_names_the_wrong_detector_option(options, message):
         crumple.Detector(**options)
 
 
-def test_a_missing_instruction_set_is_an_error(detector):
+def test_detector_with_an_instruction_set_the_cpu_lacks_is_refused(detector):
     if detector.backend == "cuda":
         pytest.skip("instruction sets are the cpu backend's")
     missing = []
@@ -290,7 +290,7 @@ def test_error_explains_why_the_cuda_backend_is_unavailable():
         pytest.fail(f"{detector} has a thousand devices")
 
 
-def test_memory_limit_error_states_a_lower_bound():
+def test_memory_limit_error_states_a_lower_bound_of_the_needed_bytes():
     import pickle
 
     mesh = soup(3000)

@@ -14,7 +14,7 @@ from features import END, FACES, START, assert_same
 LINE = np.array([[x, 0, 0] for x in range(5)], np.float64)
 
 
-def test_near_particles_are_found(either):
+def test_near_pairs_of_particles_have_exact_distances(either):
     found = either.proximities(LINE, points=[3, 0, 2], radius=2, closest=True, least=True, index=True)
     assert found.vertex_vertices.tolist() == [[0, 2], [1, 2]] and found.points.tolist() == [3, 0, 2]
     assert found.vertex_vertex_squared_distance.tolist() == [1, 4] and found.first_point.tolist() == [0, 3]
@@ -26,7 +26,7 @@ def test_near_particles_are_found(either):
     assert not either.proximities(LINE, [], radius=9) and not either.proximities(LINE, points=[], radius=9)
 
 
-def test_impacts_of_rods_are_found(either):
+def test_point_that_moves_into_two_rods_has_an_impact_with_each(either):
     end = LINE.copy()
     end[4] = [0.5, 0, 0]
     found = either.impacts(LINE, end, edges=[[1, 0], [1, 2]], points=np.array([4, 2]), index=True)
@@ -59,7 +59,7 @@ def test_listing_the_features_of_a_mesh_changes_no_pairs(dtype, either):
     )
 
 
-def test_worlds_can_have_codimensional_features(either):
+def test_touching_points_of_two_bodies_of_a_world_are_a_near_pair(either):
     strand = crumple.Shape(LINE, edges=[[0, 1], [3, 4]], points=[2, 0])
     world = crumple.World(
         [strand, crumple.Shape(START, FACES, end=END)], [0, 0, 1], poses=poses_at([0, 0, 9]), self_collisions=True

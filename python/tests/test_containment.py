@@ -31,7 +31,7 @@ def test_body_pairs_report_which_are_inside(detector):
     assert reference.inside.tolist() == found.inside.tolist()
 
 
-def test_containment_of_two_meshes_is_found(detector):
+def test_mesh_inside_another_collides_only_with_containment(detector):
     assert not detector.any([UNIT, ROOM])
     assert detector.any([UNIT, ROOM], crumple.IntersectionQuery(containment=True))
     assert detector.intersections(UNIT, ROOM, output="any", containment=True)
@@ -40,7 +40,7 @@ def test_containment_of_two_meshes_is_found(detector):
     assert not detector.intersections(UNIT, box([9, 9, 9]), **INSIDE)
 
 
-def test_each_configuration_has_its_own_flag(detector):
+def test_configurations_with_a_body_inside_another_are_flagged_as_hit(detector):
     poses = np.tile(np.eye(3, 4), (4, 1, 1, 1))
     poses[:, 0, 0, 3] = [0, 2.5, 9, 0.5]
     many = crumple.World([UNIT, ROOM], worlds=[0, -1]).configurations(poses)
@@ -49,7 +49,7 @@ def test_each_configuration_has_its_own_flag(detector):
     assert found.world_hit.tolist() == [True, True, False, True]
 
 
-def test_open_bodies_are_refused_or_contain_nothing(detector):
+def test_open_bodies_are_refused_unless_skipped_and_contain_nothing(detector):
     opened = crumple.Mesh(CORNERS, FACES[1:])
     open_room = crumple.Mesh(CORNERS * 4 - 1, FACES[1:])
     with pytest.raises(crumple.InvalidInput, match="IntersectionQuery::open leaves such bodies out"):

@@ -74,7 +74,7 @@ def assert_same(found, expected):
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 @pytest.mark.parametrize("index", [np.int32, np.uint32, np.int64])
-def test_device_arrays_of_every_type_match_the_cpu(cuda, cpu, scalar, index):
+def test_intersections_of_device_arrays_of_several_types_match_the_cpu(cuda, cpu, scalar, index):
     mesh = MESH.vertices.astype(scalar), MESH.faces.astype(index)
     expected = cpu.intersections(*mesh, output="contacts")
     assert len(expected.pairs) > 100
@@ -138,7 +138,7 @@ def test_parts_together_find_the_pairs_of_the_mesh(cuda, cpu):
     np.testing.assert_array_equal(joined[np.lexsort(joined.T[::-1])], cpu.intersections(MESH).pairs)
 
 
-def test_error_names_the_vertex_or_triangle(cuda):
+def test_error_names_the_invalid_vertex_or_triangle(cuda):
     vertices, faces = MESH.vertices.copy(), MESH.faces.copy()
     vertices[17, 1] = np.nan
     with pytest.raises(crumple.InvalidInput, match="vertex 17 is not finite"):
@@ -172,7 +172,7 @@ def test_pairs_can_be_saved_but_device_meshes_cannot(cuda, tmp_path):
     assert len(crumple.read_pairs(tmp_path / "pairs.csv")) == len(result)
 
 
-def test_devices_are_listed(cuda):
+def test_first_device_is_listed_with_name_and_memory(cuda):
     devices, reason = crumple.list_devices()
     assert devices[0].number == 0 and devices[0].name and devices[0].memory_bytes > 0 and reason == ""
     assert cuda.fallback == ""
@@ -232,7 +232,7 @@ def test_feature_queries_of_device_arrays_match_the_cpu(cuda, cpu):
     assert cuda.free_step(start, end, faces).share == cpu.free_step(START, END, FACES).share
 
 
-def test_all_arrays_of_a_query_must_be_in_the_same_memory(cuda):
+def test_end_radii_and_points_must_be_in_the_memory_of_the_mesh(cuda):
     start, end, faces = map(on_device, (START, END, FACES))
     with pytest.raises(crumple.InvalidInput, match="^end vertices lie in host memory, but vertices in"):
         cuda.impacts(start, END, faces)

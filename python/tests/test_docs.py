@@ -72,7 +72,7 @@ def test_programs_of_the_documentation_run(page, heading, programs, tmp_path, mo
         exec(compile(program, f"{page}, {heading}", "exec"), names)
 
 
-def test_documented_error_message_is_the_real_one(capsys, tmp_path, monkeypatch):
+def test_error_message_in_python_md_is_printed_by_its_programs(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = {}
     promised = re.search(r"# (triangle \d+ names .*)", (DOCS / "python.md").read_text()).group(1)
@@ -88,7 +88,7 @@ PAGES_OF_COMMANDS = [*sorted(DOCS.glob("*.md")), *(DOCS.parent / name for name i
 
 
 @pytest.mark.parametrize("page", PAGES_OF_COMMANDS, ids=lambda page: page.name)
-def test_blocks_of_commands_can_be_pasted_whole(page):
+def test_documented_commands_parse_in_bash_with_remarks_as_comments(page):
     """Remarks after commands begin with #, because a shell would pass anything else as an argument."""
     text = re.sub(r"^```(?!sh|bash|$).*?^```$", "", page.read_text(), flags=re.M | re.S)  # drops other languages
     for line in re.findall(rf"^(?: {{4}})?({COMMANDS}.*)$", text, flags=re.M):

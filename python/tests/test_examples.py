@@ -39,7 +39,7 @@ def test_every_example_is_tested():
 
 
 @pytest.mark.parametrize("name", SAYS)
-def test_example_prints_the_documented_output(name, tmp_path):
+def test_example_prints_the_expected_output_and_saves_its_picture(name, tmp_path):
     if name == "ipc_toolkit":
         peer("ipctk")
     if name == "ranks" and mpi.missing():

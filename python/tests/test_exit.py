@@ -95,7 +95,7 @@ def test_exit_finishes_a_file_that_is_being_written(tmp_path):
     assert len(crumple.read_mesh(tmp_path / "mesh.off").faces) == triangles
 
 
-def test_exit_does_not_wait_for_endless_calls(tmp_path):
+def test_exit_does_not_wait_for_blocked_writes_or_threads_lost_by_fork(tmp_path):
     """Exit waits neither for a write to a pipe without a reader nor, in a forked child, for threads of the parent."""
     os.mkfifo(tmp_path / "pipe.off")
     run(

@@ -27,7 +27,7 @@ RESULTS = {
 
 @pytest.mark.parametrize("extension", ["txt", "csv", "json", "npz"])
 @pytest.mark.parametrize("name", RESULTS)
-def test_unpickled_result_is_saved_the_same(name, extension, detector, tmp_path):
+def test_unpickled_result_is_saved_with_the_same_bytes(name, extension, detector, tmp_path):
     result = RESULTS[name](detector)
     result.save(tmp_path / f"one.{extension}")
     pickle.loads(pickle.dumps(result)).save(str(tmp_path / f"other.{extension}"))
@@ -73,7 +73,7 @@ def test_files_hold_only_the_requested_kinds(detector, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["impacts", "near"])
-def test_glb_is_saved_with_the_mesh_of_the_result_only(name, detector, tmp_path):
+def test_glb_is_refused_for_a_mesh_without_the_features_of_the_result(name, detector, tmp_path):
     result = RESULTS[name](detector)
     for mesh in ((START, FACES), crumple.Mesh(START.tolist(), FACES.ravel())):
         result.save(tmp_path / "mesh.glb", mesh)

@@ -88,7 +88,7 @@ def test_vertex_vertex_pairs_have_exact_impacts_and_distances():
     assert told(crumple.pair_distances("vertex_vertex", start)) == (25, False, 0, [0, 0])
 
 
-def test_arrays_of_any_layout_are_accepted():
+def test_arrays_in_fortran_order_and_lists_give_the_same_impacts():
     random = np.random.default_rng(1)
     start, end = random.random((2, 40, 4, 3)) - 0.5
     expected = crumple.pair_impacts("vertex_face", start, end)

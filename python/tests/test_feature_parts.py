@@ -88,7 +88,7 @@ def test_parts_of_rods_and_particles_have_all_near_pairs(either):
     assert len(whole.vertex_edges)
 
 
-def test_parts_outlive_the_mesh_and_name_its_features(either):
+def test_parts_keep_their_vertices_and_ids_if_the_mesh_is_overwritten(either):
     mesh, moved = soup(60, size=0.4, dtype=np.float64), MOVED.copy()
     whole = either.impacts(mesh, moved)
     parts = either.partition(mesh.moving_to(moved), crumple.ImpactQuery(), count=3)
@@ -104,7 +104,7 @@ def test_parts_outlive_the_mesh_and_name_its_features(either):
     assert plain.vertex_ids is plain.edge_ids is plain.point_ids is None
 
 
-def test_result_of_a_part_refuses_what_needs_the_whole_mesh(either, tmp_path):
+def test_result_of_a_part_has_no_edge_list_and_cannot_be_saved(either, tmp_path):
     part = either.partition(MESH.moving_to(MOVED), crumple.ImpactQuery(), count=2)[0]
     result = either.impacts(part, index=True)
     for name in ("edges", "first_edge", "points", "first_point"):

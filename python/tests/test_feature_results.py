@@ -195,13 +195,13 @@ def test_repeated_searches_reuse_memory(name, detector):
     assert len({pairs.ctypes.data for pairs in held}) == 4
 
 
-def test_copied_results_can_be_written_to(detector):
+def test_results_made_with_copy_can_be_written_to(detector):
     for result in (detector.impacts(MESH, MOVED, copy=True), detector.proximities(MESH, radius=0.2, copy=True)):
         result.edge_edges[:] = 0
         assert not result.edge_edges.any() and result._found.edge_edges.any()
 
 
-def test_results_of_one_detector_do_not_disturb_each_other(detector):
+def test_intersections_leave_earlier_impacts_and_near_pairs_unchanged(detector):
     """Intersections, impacts and proximities each have their own storage in the detector."""
     expected = arrays_of(detector.impacts(MESH, MOVED)), arrays_of(detector.proximities(MESH, radius=0.2))
     pairs = detector.intersections(MESH).pairs.tolist()

@@ -114,7 +114,7 @@ def test_block_can_be_kept_pickled_and_saved(tmp_path):
         assert len((tmp_path / "block.txt").read_text().splitlines()) == 20
 
 
-def test_block_refuses_what_only_a_whole_result_has(detector):
+def test_block_has_no_first_impact_world_flags_or_index(detector):
     impacts = gathered(detector, STEP, crumple.ImpactQuery(), 50)[0]
     near = gathered(detector, MESH, crumple.ProximityQuery(radius=0.02), 50)[0]
     for answer, names in ((impacts, ("first", "world_first", "world_hit")), (near, ("world_hit",))):
@@ -157,7 +157,7 @@ def test_error_names_the_wrong_argument(search, detector):
         detector.stream(wrong, query, print)
 
 
-def test_queries_that_cannot_be_streamed_are_refused(detector):
+def test_stream_refuses_distances_and_options_index_and_least(detector):
     for query in (crumple.ImpactQuery(index=True), crumple.ProximityQuery(radius=1, least=True)):
         with pytest.raises(crumple.InvalidInput):
             detector.stream(STEP, query, print)

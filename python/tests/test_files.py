@@ -17,7 +17,7 @@ from conftest import OnDevice, soup
 
 @pytest.mark.parametrize("extension", ["ply", "obj", "off", "3mf", "ply.gz", "obj.gz"])
 @pytest.mark.parametrize("scalar", ["float32", "float64"])
-def test_coordinates_keep_every_bit(extension, scalar, tmp_path):
+def test_written_and_read_coordinates_keep_every_bit(extension, scalar, tmp_path):
     mesh = soup(20, dtype=scalar)
     path = tmp_path / f"mesh.{extension}"
     crumple.write_mesh(path, (mesh.vertices, mesh.faces.astype(np.uint64)))
@@ -132,7 +132,7 @@ def test_files_are_written_from_host_memory_only(tmp_path, crossing, detector):
 
 
 @pytest.mark.parametrize("extension", ["ply", "obj", "glb", "html"])
-def test_lists_that_were_changed_after_the_search_are_refused(extension, tmp_path, crossing, detector):
+def test_result_cannot_be_saved_if_its_lists_changed_after_the_search(extension, tmp_path, crossing, detector):
     def changed(change):
         vertices, faces = crossing.vertices.tolist(), crossing.faces.tolist()
         result = detector.intersections(vertices, faces)
@@ -157,7 +157,7 @@ def test_extensions_may_be_upper_case(name, tmp_path, crossing, detector):
 
 
 @pytest.mark.parametrize("extension", ["txt", "csv", "json", "npz", "ply", "obj", "glb", "html", "png"])
-def test_names_that_no_file_can_have_are_refused(extension, crossing, detector):
+def test_file_names_with_nul_or_a_lone_surrogate_are_refused(extension, crossing, detector):
     for name in ("a\0b", "\ud800"):
         with pytest.raises(crumple.InvalidInput, match="^path cannot be the name of a file$"):
             detector.intersections(crossing).save(f"{name}.{extension}")
@@ -232,7 +232,7 @@ def test_polygons_are_cut_without_overlaps_and_keep_their_ids(tmp_path, detector
         crumple.read_mesh(tmp_path / "a.obj", triangulation="cut")
 
 
-def test_oddities_of_a_file_are_warnings_or_with_strict_errors(tmp_path):
+def test_unknown_obj_statement_is_a_warning_or_with_strict_an_error(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nseam 1\nseam 2\nf 1 2 3\n")
     with pytest.warns(crumple.FileWarning, match="a.obj, line 4: the unknown statement 'seam' is skipped") as caught:
         crumple.read_mesh(tmp_path / "a.obj")

@@ -43,7 +43,7 @@ def beside(offset, count=6):
     return start, end, np.concatenate([FACES, FACES + count])
 
 
-def test_only_vertices_of_an_impact_are_held_back(either):
+def test_with_held_vertices_only_those_of_an_impact_are_held_back(either):
     start, end, faces = beside(5)
     whole = either.free_step(start, end, faces)
     assert whole.vertex_shares is None and whole.share < 0.5
@@ -78,7 +78,7 @@ def test_intersecting_triangles_are_reported_on_request(either):
     assert either.free_step(start, END, FACES).intersecting is None
 
 
-def test_approaching_only_ignores_motion_apart(either):
+def test_approaching_only_ignores_features_that_move_apart(either):
     """The vertex starts at a height of 1, nearer than the minimum distance, and moves up."""
     up = START + [0, 0, 1] * np.arange(6)[:, None].clip(2, 3).astype(float) - [0, 0, 2]
     up[:3] = START[:3]

@@ -41,7 +41,7 @@ LAYOUTS = {
 @pytest.mark.parametrize(
     "index", ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "longlong"]
 )
-def test_arrays_of_every_layout_and_type_give_the_same_pairs(layout, scalar, index, detector):
+def test_layout_and_type_of_arrays_do_not_change_the_pairs(layout, scalar, index, detector):
     few = 40  # the vertex indices of so many triangles fit in int8
     vertices, faces = LAYOUTS[layout](MESH.vertices.astype(scalar)), LAYOUTS[layout](MESH.faces[:few].astype(index))
     expected = [pair for pair in EXPECTED if max(pair) < few]
@@ -349,7 +349,7 @@ def test_arrays_in_host_memory_are_read_without_a_stream(detector, kind):
 
 
 @pytest.mark.parametrize("kind", [2, 13])
-def test_arrays_in_cuda_memory_are_made_ready_on_a_stream(detector, kind):
+def test_arrays_in_cuda_memory_are_made_ready_on_the_default_stream(detector, kind):
     vertices, faces = Producer(MESH.vertices, kind), Producer(MESH.faces.astype(np.int16), kind)
     with pytest.raises(crumple.InvalidInput, match="^faces in CUDA memory must be"):
         detector.intersections(vertices, faces)

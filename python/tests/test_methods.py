@@ -137,7 +137,7 @@ def test_error_suggests_a_similar_argument_name(call, message):
     assert not isinstance(caught.value, crumple.Error)
 
 
-def test_errors_within_a_call_are_not_replaced():
+def test_error_of_converting_an_option_is_not_replaced():
     class Failing:
         def __index__(self):
             raise ZeroDivisionError

@@ -180,13 +180,13 @@ def test_index_with_groups_lists_the_impacts_of_each_feature(either):
     ],
     ids=["fortran", "reversed", "strided", "big endian", "lists", "no mask", "dlpack"],
 )
-def test_end_vertices_can_have_any_layout(given, detector):
+def test_layout_of_end_vertices_does_not_change_impacts(given, detector):
     expected = detector.impacts(START, END, FACES)
     assert_same(detector.impacts(START, given(END), FACES), expected)
     assert_same(detector.impacts(given(START), given(END), FACES), expected)
 
 
-def test_meshes_of_any_form_and_precision_are_accepted(detector):
+def test_mesh_tuples_flat_faces_and_mixed_precision_are_accepted(detector):
     expected = detector.impacts(START, END, FACES)
     for mesh in ((START, FACES), crumple.Mesh(START, FACES), crumple.Mesh(START, FACES.ravel(), [0, 1])):
         assert_same(detector.impacts(mesh, END), expected)
@@ -321,7 +321,7 @@ def test_triangle_pairs_include_those_stuck_from_the_start(either, tmp_path):
         _ = found.triangle_pair_bodies
 
 
-def test_triangle_pairs_of_intersecting_bodies_are_found(either):
+def test_triangle_pairs_include_static_bodies_that_intersect(either):
     plate = crumple.Shape(np.array([[-9, -9, 0], [9, -9, 0], [0, 9, 0.0]]), FACES[:1])
     blade = crumple.Shape(np.array([[0, 0, -1], [0.5, 0, 1], [-0.5, 0.2, 1]]), FACES[:1])
     world = crumple.World(

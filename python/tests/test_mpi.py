@@ -37,7 +37,7 @@ def python(code):
     return run(sys.executable, "-c", code)
 
 
-def test_each_listed_case_exists():
+def test_cases_with_their_own_numbers_of_ranks_exist():
     assert len(FILE_OF) >= 8 and set(RANKS_OF) <= set(FILE_OF)
 
 
@@ -54,7 +54,7 @@ def test_import_error_without_mpi_explains_how_to_build_it():
     assert "ImportError: crumple was built without MPI: install it by `pip install . --config" in done.stderr
 
 
-def test_the_package_itself_needs_no_mpi():
+def test_import_of_crumple_needs_no_mpi():
     done = python("import sys; sys.modules['mpi4py'] = None; import crumple; print(*sys.modules)")
     assert done.returncode == 0 and "crumple._mpi" not in done.stdout.split()
 

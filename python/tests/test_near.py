@@ -324,7 +324,7 @@ def test_radii_rings_and_rest_shape_match_brute_force(detector, reference):
         assert_same(detector.proximities(mesh, **asked), expected, CLOSEST + LEAST)
 
 
-def test_shapes_of_worlds_have_radii_and_rest_vertices(either):
+def test_radii_and_rest_shape_of_world_shapes_decide_the_near_pairs(either):
     radii = np.full(6, 0.5)
     shape = crumple.Shape(START, FACES, radii=radii, rest=START)
     assert shape.radii is radii and shape.rest is START

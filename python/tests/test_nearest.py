@@ -123,7 +123,7 @@ def test_copies_and_pickles_keep_the_distances():
         restore(kind, asked, {})
 
 
-def test_each_world_has_its_nearest_pair(either):
+def test_output_nearest_has_the_nearest_pair_of_each_world(either):
     poses = np.stack([moved((0, 0, 0), (0, 0, z), (3 * z, 0, 0)) for z in (1, 2, 5)])
     world = crumple.World([SQUARE], [0] * 4, poses=moved(*[(0, 0, 0)] * 3, (0, 0, -4)), worlds=[0, 0, 0, -1])
     world = world.configurations(poses)

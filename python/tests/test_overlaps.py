@@ -102,7 +102,7 @@ def test_coplanar_faces_have_a_contact_area(detector):
     assert detector.overlaps(UNIT, box([0.25, 0.25, 0.25])).contact_area.tolist() == [0]
 
 
-def test_overlap_of_a_mesh_with_itself_is_found(detector):
+def test_overlap_of_a_mesh_with_itself_has_the_exact_volume(detector):
     alone = detector.overlaps(UNIT)
     assert len(alone) == 0 and alone.body_volume.tolist() == [1] and alone.is_solid.tolist() == [True]
     twice = crumple.Mesh(np.vstack([CORNERS, CORNERS + 0.5]), np.vstack([FACES, FACES + 8]))
@@ -125,7 +125,7 @@ def test_only_bodies_of_the_same_world_overlap(detector):
     assert detector.overlaps(world, self_overlaps=True).is_solid.tolist() == [True] * 3
 
 
-def test_open_surfaces_are_refused_or_skipped(detector):
+def test_open_surfaces_are_refused_unless_skipped_or_welded(detector):
     opened = crumple.Mesh(CORNERS, FACES[1:])
     with pytest.raises(crumple.InvalidInput, match="body 1: its surface is not closed: 3 edges .* of triangle "):
         detector.overlaps(UNIT, opened)
@@ -239,7 +239,7 @@ def test_invalid_pictures_are_refused(detector, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_open_edges_are_listed():
+def test_open_edges_are_those_of_missing_or_flipped_triangles():
     edges, triangles = crumple.open_edges(CORNERS, FACES)
     assert edges.shape == (0, 2) and triangles.shape == (0,)
     edges, triangles = crumple.open_edges(CORNERS, FACES[:-1])

@@ -38,7 +38,7 @@ def test_the_version_is_that_of_the_distribution():
     assert version("crumple") == crumple.__version__
 
 
-def test_version_is_the_same_in_all_files():
+def test_header_citation_and_readme_have_the_version_of_the_package():
     header = (TOP / "include" / "crumple" / "version.h").read_text()
     numbers = re.findall(r"^#define CRUMPLE_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)$", header, flags=re.M)
     suffix = re.search(r'^#define CRUMPLE_VERSION_SUFFIX "(.*)"$', header, flags=re.M).group(1)
@@ -67,20 +67,20 @@ def test_two_installed_distributions_are_refused(tmp_path):
     assert "pip uninstall crumple crumple-cuda13" in last
 
 
-def test_missing_devices_have_a_reason():
+def test_device_list_is_empty_exactly_if_a_reason_is_given():
     """Either the list of devices or the reason is empty, depending on the machine."""
     devices, reason = crumple.list_devices()
     assert bool(devices) != bool(reason) and "\n" not in reason
     assert isinstance(crumple.Detector().fallback, str) and crumple.Detector(backend="cpu").fallback == ""
 
 
-def test_package_contains_its_types():
+def test_package_contains_a_type_stub_and_py_typed():
     assert (PACKAGE / "py.typed").exists()
     stub = (PACKAGE / "_core.pyi").read_text()
     assert "class Detector" in stub and "class Statistics" in stub
 
 
-def test_types_are_accepted_by_mypy(tmp_path):
+def test_mypy_accepts_a_typed_program_and_rejects_wrong_options(tmp_path):
     peer("mypy")
     program = tmp_path / "typed.py"
     program.write_text(
@@ -136,7 +136,7 @@ def test_everything_public_is_documented():
                     assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
 
 
-def test_import_error_names_missing_numpy():
+def test_first_use_without_numpy_raises_an_import_error_that_names_it():
     code = "import sys; sys.modules['numpy'] = None; import crumple; crumple.Detector().intersections([], [])"
     process = run("-c", code)
     assert process.returncode == 1 and "ImportError" in process.stderr and "numpy" in process.stderr

@@ -149,7 +149,7 @@ def test_pickle_is_hardly_larger_than_its_arrays():
     assert 0 < len(pickle.dumps(result)) - meshes - arrays < 3000
 
 
-def test_changed_or_device_meshes_cannot_be_pickled():
+def test_result_with_a_changed_or_device_mesh_cannot_be_pickled():
     vertices, faces = MESH.vertices.tolist(), MESH.faces.tolist()
     changed = crumple.Detector().intersections(vertices, faces)
     faces.pop()
@@ -296,7 +296,7 @@ for function in sys.argv[1:]:
     assert len(lines) == 5 and all(line.startswith(refusal) for line in lines)
 
 
-def test_classes_named_by_older_pickles_are_found():
+def test_class_names_of_older_pickles_load_the_current_classes():
     """Old pickles name classes by the modules that they were in then."""
     for path, kind in (
         ("_fuzzy_c_means.FuzzyCMeans", crumple.FuzzyCMeans),
@@ -317,7 +317,7 @@ def test_classes_named_by_older_pickles_are_found():
         pickle.loads(b"ccrumple._result\nBlock\n.")
 
 
-def test_arrays_with_wrong_bytes_do_not_crash(tmp_path):
+def test_pickle_with_corrupt_arrays_is_refused_or_consistent(tmp_path):
     """Any result that can be restored is consistent, except for its meshes, which the writers of files check."""
     buffers = []
     pickled = pickle.dumps(RESULTS[0][1], 5, buffer_callback=buffers.append)

@@ -87,7 +87,7 @@ def test_pairs_between_random_soups_match_brute_force(a, b, query):
     arrays.arrays(arrays.scalar_dtypes(), arrays.array_shapes(max_dims=3, max_side=4)),
     arrays.arrays(arrays.scalar_dtypes(), arrays.array_shapes(max_dims=3, max_side=4)),
 )
-def test_any_arrays_give_a_result_or_an_input_error(vertices, faces):
+def test_random_arrays_give_a_result_or_an_input_error(vertices, faces):
     """Any arrays give a result or InvalidInput, but never a crash or another exception."""
     try:
         pairs = WARM.intersections(vertices, faces).pairs

@@ -68,7 +68,7 @@ def test_arrays_are_read_only_views(detector):
     assert address(result._found.pairs) == address(result.pairs), "no copy is made"
 
 
-def test_copies_are_writable(detector):
+def test_arrays_of_a_result_made_with_copy_are_writable(detector):
     result = detector.intersections(soup(300), output="contacts", copy=True)
     for array in fields(result).values():
         array[...] = 0
@@ -76,7 +76,7 @@ def test_copies_are_writable(detector):
     assert crumple.intersections(soup(300), copy=True).pairs.flags.writeable
 
 
-def test_no_later_call_changes_a_result(detector):
+def test_later_searches_and_errors_do_not_change_a_result(detector):
     results = []
     for seed in range(6):
         results.append(detector.intersections(soup(200 + 50 * seed, seed=seed), output="contacts"))
@@ -204,7 +204,7 @@ def test_loop_over_frames_uses_memory_of_two_results(detector):
     assert result.statistics.pairs == len(result)
 
 
-def test_results_can_be_freed_in_any_order(detector):
+def test_freeing_results_in_random_order_keeps_the_others_correct(detector):
     random = np.random.default_rng(5)
     held, mesh = [], [soup(int(n), seed=int(n)) for n in random.integers(1, 400, 10)]
     expected = [crumple.intersections(m).pairs.tolist() for m in mesh]
@@ -231,7 +231,7 @@ def test_repeated_searches_do_not_leak_memory():
     assert loop(20) - loop(10) < 20_000  # KiB
 
 
-def test_statistics_describe_the_search(detector):
+def test_statistics_have_counts_memory_and_stage_times(detector):
     mesh = crumple.make_scene("cloth", triangles=3000, frame=93)
     result = detector.intersections(mesh)
     s = result.statistics

@@ -102,7 +102,7 @@ def test_cancel_ends_the_call_of_another_thread():
 
 @pytest.mark.parametrize("backend", ["cpu", "reference"])
 @pytest.mark.parametrize("name", ["impacts", "proximities"])
-def test_cancel_ends_searches_for_features(name, backend):
+def test_cancel_ends_searches_for_impacts_and_proximities(name, backend):
     mesh, small, detector = soup(20_000, size=0.3), soup(20), crumple.Detector(backend=backend, threads=2)
 
     def find(mesh):
@@ -120,7 +120,7 @@ def test_cancel_ends_searches_for_features(name, backend):
     assert caught.value.code == "cancelled" and find(small).edge_edges.tolist() == expected
 
 
-def test_threads_that_share_a_detector_find_correct_features(detector):
+def test_threads_that_share_a_detector_get_correct_near_pairs(detector):
     meshes = [soup(40, size=0.5, seed=s) for s in range(4)]
     expected = [crumple.proximities(m, radius=0.1).edge_edges.tolist() for m in meshes]
 

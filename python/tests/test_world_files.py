@@ -59,13 +59,13 @@ def test_trimesh_scene_becomes_a_world_with_its_collisions(detector):
     assert repr(world.shapes[0]).startswith("<crumple.Shape: ") and world.shapes[0].name is None
 
 
-def test_error_explains_that_a_trimesh_scene_is_a_world(detector):
+def test_error_explains_how_to_make_a_world_of_a_trimesh_scene(detector):
     with pytest.raises(crumple.InvalidType, match=r"use crumple.World.from_trimesh\(scene\), or .*to_mesh"):
         detector.intersections(scene())
     assert detector.intersections(scene().to_mesh()) is not None
 
 
-def test_later_changes_of_a_trimesh_scene_have_no_effect(detector):
+def test_later_changes_of_a_trimesh_scene_do_not_change_its_world(detector):
     given = scene()
     world = crumple.World.from_trimesh(given)
     before = detector.intersections(world).pairs.tolist()
@@ -147,7 +147,7 @@ def test_mesh_file_is_a_world_of_one_body(tmp_path, detector):
         crumple.read_world(tmp_path / "part.ply", precison="float64")
 
 
-def test_oddities_of_a_file_are_warnings(tmp_path):
+def test_read_world_gives_the_warnings_of_read_mesh(tmp_path):
     (tmp_path / "odd.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 1 2 3 3\n")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

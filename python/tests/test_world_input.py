@@ -305,7 +305,7 @@ def test_invalid_name_of_a_shape_is_refused(name, message):
 
 
 @pytest.mark.parametrize("name", ["remembered", 17, np.int32(18)])
-def test_a_named_shape_is_read_once(name, detector):
+def test_detector_reads_a_named_shape_only_once(name, detector):
     vertices = MESH.vertices.copy()
     shape = crumple.Shape(vertices, MESH.faces, name=name)
     assert shape.name == name and shape.triangles == 20 and shape.mesh.vertices is vertices
@@ -332,7 +332,7 @@ def test_different_shape_under_a_cached_name_is_refused(other, detector):
     assert (caught.value.element, caught.value.index) == ("shape", 0)
 
 
-def test_error_names_the_shape(detector):
+def test_error_of_a_reused_shape_name_quotes_the_name(detector):
     detector.intersections(crumple.World([crumple.Shape(MESH, name="wheel")]))
     with pytest.raises(crumple.InvalidInput, match="an earlier shape with the name 'wheel' had 60 float32 vertices"):
         detector.intersections(crumple.World([crumple.Shape(soup(21), name="wheel")]))

@@ -65,7 +65,7 @@ def test_cancel_ends_the_call_of_another_thread():
     assert failures == ["cancelled"]
 
 
-def test_threads_can_share_worlds_and_detectors():
+def test_calls_keep_their_own_poses_if_threads_share_a_world():
     """Each call searches with the poses it was given, even if other threads change the poses of the world meanwhile."""
     random = np.random.default_rng(1)
     world = crumple.World([crumple.Shape(soup(40, size=0.5), name="shared")], [0, 0, 0], self_collisions=False)

@@ -167,7 +167,7 @@ class Dlpack:
     ],
     ids=["square", "fortran", "dlpack", "reversed", "strided", "lists", "big endian", "no mask", "square dlpack"],
 )
-def test_poses_can_have_any_layout(given, detector):
+def test_layout_of_poses_does_not_change_the_pairs(given, detector):
     columns = random_columns(6)
     expected = detector.intersections(columns.world())
     assert expected
@@ -260,7 +260,7 @@ def test_world_keeps_its_arrays_alive(detector):
     assert detector.intersections(world).pairs.tolist() == expected and expected
 
 
-def test_copied_results_can_be_written_to(detector):
+def test_results_made_with_copy_can_be_written_to(detector):
     result = detector.intersections(random_columns(10).world(), index=True, copy=True)
     result.pairs[:] = 0
     result.hit[:] = False

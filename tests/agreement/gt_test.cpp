@@ -124,7 +124,7 @@ std::vector<int> part_counts(const SelfCase& scene);
 
 class SelfTruth : public DataTest, public testing::WithParamInterface<SelfCase> {};
 
-TEST_P(SelfTruth, every_backend_matches_ground_truth) {
+TEST_P(SelfTruth, pairs_and_contacts_match_ground_truth) {
     const SelfCase scene = GetParam();
     const Truth expected = truth(scene.truth_file);
     for (const Precision precision : precisions(scene)) {
@@ -149,7 +149,7 @@ TEST_P(SelfTruth, brute_force_matches_tested_backend) {
         io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
     if (mesh.triangle_count() > 20'000) GTEST_SKIP() << "too large";
     if (backends_for(mesh.triangle_count()).size() > 1)
-        GTEST_SKIP() << "small, so compared in every_backend_matches_ground_truth";
+        GTEST_SKIP() << "small, so compared in pairs_and_contacts_match_ground_truth";
     Detector detector = detector_of(test::tested_backend), reference = detector_of(Backend::reference);
     const Intersections& found = detector.find(mesh.view());
     if (found.statistics.box_overlaps > most_overlaps) GTEST_SKIP() << "too many boxes overlap";
@@ -299,7 +299,7 @@ INSTANTIATE_TEST_SUITE_P(GroundTruth, BetweenTruth,
 class Frames : public DataTest {};
 
 // Compares cloth and ball both as groups of one soup and as two meshes.
-TEST_F(Frames, cloth_never_meets_ball) {
+TEST_F(Frames, cloth_and_ball_do_not_meet_in_two_frames) {
     for (const char* frame : {"cloth_ball92.ply", "cloth_ball93.ply"}) {
         io::TriangleMesh mesh = io::read_mesh(*folder / "scalable-ccd/cloth-ball/frames" / frame);
         constexpr std::int64_t cloth_end = 91'470;

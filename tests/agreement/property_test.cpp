@@ -123,7 +123,7 @@ RC_GTEST_PROP(Property, swapping_or_mirroring_axes_does_not_matter, ()) {
     require_same(self_pairs(soup, query), self_pairs(turned, query));
 }
 
-RC_GTEST_PROP(Property, scale_does_not_matter, ()) {
+RC_GTEST_PROP(Property, scaling_by_powers_of_two_does_not_matter, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     query.output = Output::contacts;
@@ -146,7 +146,7 @@ RC_GTEST_PROP(Property, scale_does_not_matter, ()) {
     }
 }
 
-RC_GTEST_PROP(Property, translation_does_not_matter, ()) {
+RC_GTEST_PROP(Property, exact_translations_do_not_matter, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     const auto offset = [] { return static_cast<double>(*rc::gen::inRange<std::int64_t>(-(1LL << 50), 1LL << 50)); };
@@ -184,7 +184,7 @@ RC_GTEST_PROP(Property, two_meshes_equal_two_groups_of_one_soup, ()) {
     require_same(expected, found);
 }
 
-RC_GTEST_PROP(Property, group_filters_split_the_result, ()) {
+RC_GTEST_PROP(Property, pairs_within_and_between_groups_add_up_to_all_pairs, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     const std::vector<Pair> all = self_pairs(soup, query);
@@ -205,7 +205,7 @@ RC_GTEST_PROP(Property, group_filters_split_the_result, ()) {
     require_same(kept, self_pairs(soup, query));
 }
 
-RC_GTEST_PROP(Property, parts_split_the_result, ()) {
+RC_GTEST_PROP(Property, pairs_of_parts_add_up_to_all_pairs, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     Detector detector = any_detector();
@@ -216,7 +216,7 @@ RC_GTEST_PROP(Property, parts_split_the_result, ()) {
     require_same(self_pairs(soup, query), joined);
 }
 
-RC_GTEST_PROP(Property, welding_ignores_vertex_indices, ()) {
+RC_GTEST_PROP(Property, welded_results_depend_on_positions_and_not_on_vertex_indices, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     query.weld = true;

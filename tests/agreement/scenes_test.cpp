@@ -266,7 +266,7 @@ TEST_P(Agreement, union_of_parts_equals_whole_result) {
     }
 }
 
-TEST_P(Agreement, memory_limits_do_not_change_result) {
+TEST_P(Agreement, limited_call_gives_same_result_or_names_larger_limit) {
     IntersectionQuery query;
     query.output = Output::contacts;
     const Options unlimited{.backend = tested_backend, .leaf_size = 100};

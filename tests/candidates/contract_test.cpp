@@ -180,7 +180,7 @@ TEST_P(CandidateErrors, invalid_end_positions_are_rejected) {
     soup.end[11][2] = nan;
     EXPECT_STREQ(at(soup.end_view()).what(), "at the end: vertex 11 is not finite");
 }
-TEST_P(CandidateErrors, invalid_meshes_are_rejected) {
+TEST_P(CandidateErrors, meshes_with_invalid_indices_or_memory_are_rejected) {
     auto soup = soup_;
     soup.triangles[4][1] = 14;
     EXPECT_STREQ(refused([&] { detector_.find(soup.view(), CandidateQuery()); }).what(),
@@ -229,7 +229,7 @@ TEST(CandidateCalls, results_do_not_depend_on_earlier_calls) {
 
 class CandidateMemory : public testing::TestWithParam<int> {};
 
-TEST_P(CandidateMemory, memory_limit_is_respected) {
+TEST_P(CandidateMemory, limited_call_gives_same_result_or_names_larger_limit) {
     const MovingSoup<> soup = in_general(1500, 0.07, 0.06, 6);
     const Options options{.backend = Backend::cpu, .threads = GetParam(), .leaf_size = 40};
     const auto find = [&](Detector& detector) -> const Candidates& {

@@ -127,7 +127,7 @@ TEST_F(Bodies, odd_names_are_quoted_and_read_back) {
                    "bad.json, byte 0: an object with a list of pairs");
 }
 
-TEST_F(Bodies, pairs_are_written_as_lists) {
+TEST_F(Bodies, pairs_of_bodies_are_written_as_text_csv_and_json) {
     const Outcome outcome = crumple("detect robot.glb --groups bodies -o p.txt -o p.csv -o p.json");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, "");
@@ -142,7 +142,7 @@ TEST_F(Bodies, pairs_are_written_as_lists) {
     EXPECT_TRUE(crumple("detect five.off --groups bodies -o p.txt").err.starts_with("nothing collides: 1 body, "));
 }
 
-TEST_F(Bodies, coloured_files_keep_names_and_poses) {
+TEST_F(Bodies, coloured_glb_keeps_names_and_poses) {
     ASSERT_EQ(crumple("detect robot.glb --groups bodies -o c.glb -o c.ply -o c.html -o c.obj").status, 0);
     EXPECT_EQ(list("c.glb"), "base\tarm\narm\thand\n") << "names and poses are kept";
     const io::WorldMesh world = io::read_world(file("c.glb"));
@@ -228,7 +228,7 @@ TEST_F(Bodies, info_lists_bodies) {
     EXPECT_EQ(shell("cat robot.glb | $crumple info -").out, outcome.out);
 }
 
-TEST_F(Bodies, scene_without_groups_is_one_mesh) {
+TEST_F(Bodies, scene_is_searched_as_one_mesh_without_the_groups_option) {
     EXPECT_EQ(crumple("convert robot.glb robot.ply").status, 0);
     const Outcome scene = crumple("detect robot.glb"), mesh = crumple("detect robot.ply");
     EXPECT_EQ(scene.status, 0) << scene.err;

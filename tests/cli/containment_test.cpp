@@ -53,7 +53,7 @@ constexpr const char* three_files = "large.off small.off edge.off ";
 constexpr const char* meeting = "large\tedge\n";
 constexpr const char* with_inside = "large\tsmall\tinside\nlarge\tedge\n";
 
-TEST_F(Containment, lists_mark_pairs_inside) {
+TEST_F(Containment, lists_mark_pairs_with_one_body_inside_the_other) {
     EXPECT_EQ(list(three_files), meeting);
     EXPECT_EQ(list(std::string(three_files) + "--containment"), with_inside);
     EXPECT_EQ(list(std::string(three_files) + "--containment --backend reference"), with_inside);
@@ -82,7 +82,7 @@ TEST_F(Containment, check_reports_containment_by_exit_status) {
     EXPECT_EQ(crumple("detect --groups bodies --check --containment small.off edge.off").status, 0);
 }
 
-TEST_F(Containment, configurations_count_pairs_inside) {
+TEST_F(Containment, row_of_a_configuration_counts_pairs_with_one_body_inside) {
     std::string poses;
     for (const double step : {0.0, 3.0, 20.0})
         poses += "1,0,0,0,0,1,0,0,0,0,1,0\n1,0,0," + std::to_string(step) + ",0,1,0,0,0,0,1,0\n";
@@ -98,7 +98,7 @@ TEST_F(Containment, configurations_count_pairs_inside) {
     EXPECT_EQ(crumple("detect --groups bodies --check " + of_two).status, 1);
 }
 
-TEST_F(Containment, open_bodies_are_an_error_or_contain_nothing) {
+TEST_F(Containment, open_bodies_are_an_error_or_with_open_skip_contain_nothing) {
     expect_refused("--groups bodies --containment small.off open_large.off",
                    "open_large.off: body 'open_large': its surface is not closed");
     expect_refused("--groups bodies --containment large.off open.off",

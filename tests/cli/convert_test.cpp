@@ -142,7 +142,7 @@ TEST_F(Convert, unit_is_kept_or_converted) {
     EXPECT_EQ(crumple("convert inch.3mf x.3mf --unit miles").status, 2);
 }
 
-TEST_F(Convert, unknown_statements_give_a_warning) {
+TEST_F(Convert, unknown_statements_of_obj_give_a_warning) {
     write("a.obj", std::string(quad_and_triangle) + "hello 1\n");
     EXPECT_TRUE(contains(crumple("convert a.obj a.ply").err, "'hello'"));
     EXPECT_EQ(crumple("convert --strict a.obj b.ply").status, 2);

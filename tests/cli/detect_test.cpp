@@ -65,7 +65,7 @@ TEST_F(Detect, adjacent_triangles_are_skipped_on_request) {
     EXPECT_EQ(pairs("five.off --neighbours geometric"), five_pairs);
 }
 
-TEST_F(Detect, proper_excludes_touches_and_folds) {
+TEST_F(Detect, kind_proper_excludes_touches_and_folds) {
     EXPECT_EQ(pairs("five.off --kind proper"), "0 1\n");
     EXPECT_EQ(pairs("five.off --kind all"), five_pairs);
 }
@@ -90,7 +90,7 @@ TEST_F(Detect, precision_decides_whether_triangles_touch) {
     EXPECT_EQ(pairs("near.off --precision float32"), "0 1\n");
 }
 
-TEST_F(Detect, contacts_follow_their_pairs) {
+TEST_F(Detect, contacts_are_listed_on_the_line_of_their_pair) {
     EXPECT_EQ(pairs("five.off --contacts"),
               "0 1 segment 1 1 0 2 2 0\n0 3 point 0 0 0\n2 4 area 10 0 0 14 0 0 11 3 0\n");
 }

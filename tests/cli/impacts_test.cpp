@@ -119,7 +119,7 @@ TEST_F(Impacts, weld_merges_only_vertices_equal_at_both_times) {
     EXPECT_EQ(list("impacts start.off start.off --weld"), "") << "now the corner is one vertex";
 }
 
-TEST_F(Impacts, stl_that_welds_differently_needs_weld_option) {
+TEST_F(Impacts, stl_files_welded_differently_are_refused_without_a_weld_option) {
     const std::string stl =
         "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
         "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex -1 0 0\nvertex 0 -1 0\nendloop\nendfacet\nendsolid\n";

@@ -80,7 +80,7 @@ TEST_F(Info, check_fails_unless_surface_bounds_a_solid) {
     EXPECT_TRUE(contains(info(scaled("e200")).out, "volume                inf\n"));
 }
 
-TEST_F(Info, all_open_edges_are_listed) {
+TEST_F(Info, open_edges_option_lists_all_open_edges) {
     write("closed.off", cube_with("3 3 7 5"));
     EXPECT_TRUE(contains(crumple("info closed.off --open-edges").out, "\nlist of open edges    0\nholes "));
     write("a.off", cube_with("3 3 5 7"));  // the last one is flipped
@@ -100,7 +100,7 @@ TEST_F(Info, all_open_edges_are_listed) {
     EXPECT_EQ(crumple("info a.off --open-edges --check").status, 1);
 }
 
-TEST_F(Info, json_has_the_properties_of_each_body) {
+TEST_F(Info, json_has_the_properties_of_a_body) {
     write("a.off", cube_with("3 3 7 5"));
     const auto json = nlohmann::json::parse(crumple("info a.off --json --unit mm").out);
     EXPECT_EQ(json["file"], "a.off");
@@ -154,14 +154,14 @@ TEST_F(Info, degeneracy_is_decided_exactly) {
     EXPECT_TRUE(contains(crumple("info exactly.off").out, "degenerate triangles  1 (0)\n"));
 }
 
-TEST_F(Info, only_the_first_few_triangles_are_shown) {
+TEST_F(Info, only_the_first_few_degenerate_triangles_are_shown) {
     std::string off = "OFF\n2 1234 0\n0 0 0\n1 0 0\n";
     for (int i = 0; i < 1234; ++i) off += "3 0 1 1\n";
     write("many.off", off);
     EXPECT_TRUE(contains(crumple("info many.off").out, "degenerate triangles  1,234 (0, 1, 2, 3, 4, ...)\n"));
 }
 
-TEST_F(Info, empty_mesh_has_no_triangles) {
+TEST_F(Info, empty_mesh_is_no_error) {
     write("empty.off", "OFF\n0 0 0\n");
     const Outcome outcome = crumple("info empty.off");
     EXPECT_EQ(outcome.status, 0);

@@ -34,7 +34,7 @@ TEST_F(Misuse, wrong_commands_and_arguments_are_refused) {
     expect_refused("detect five.off -o", "detect: --output: 1 required OUT missing");
 }
 
-TEST_F(Misuse, unknown_options_suggest_similar_ones) {
+TEST_F(Misuse, error_of_an_unknown_option_suggests_a_similar_one) {
     expect_refused("detect five.off --fast",
                    "detect: The following argument was not expected: --fast; see crumple detect --help");
     expect_refused("detect five.off --neighbors skip", "--neighbors; did you mean --neighbours?");
@@ -45,7 +45,7 @@ TEST_F(Misuse, unknown_options_suggest_similar_ones) {
     expect_refused("info five.off --neighbours skip", "--neighbours; see crumple info --help");
 }
 
-TEST_F(Misuse, renamed_options_name_their_replacement) {
+TEST_F(Misuse, error_of_a_renamed_option_names_its_replacement) {
     expect_refused("detect five.off --groups components --wanted between", "--wanted; it is --filter now");
     expect_refused("detect five.off --intersections=proper", "--intersections=proper; it is --kind now");
     expect_refused("detect five.off --groups bodies --exclude a,b", "; it is --excluded-bodies now");
@@ -55,7 +55,7 @@ TEST_F(Misuse, renamed_options_name_their_replacement) {
     expect_refused("info five.off --wanted between", "--wanted; see crumple info --help");
 }
 
-TEST_F(Misuse, wrong_value_lists_allowed_values) {
+TEST_F(Misuse, error_of_a_wrong_value_lists_the_allowed_values) {
     expect_refused("detect five.off --neighbours none", "geometric|skip");
     expect_refused("detect five.off --kind some", "all|proper");
     expect_refused("detect five.off --precision float16", "auto|float32|float64");

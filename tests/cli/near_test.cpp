@@ -91,7 +91,7 @@ TEST_F(Near, options_for_groups_statistics_and_progress_are_obeyed) {
     EXPECT_TRUE(contains(crumple("near above.off --radius 1 --progress").err, " s  search\n"));
 }
 
-TEST_F(Near, radii_are_given_per_vertex) {
+TEST_F(Near, radii_can_be_given_per_vertex_in_a_file) {
     write("radii.txt", "# of the face, then of the corner above it\n0.75\n0\n0\n\n0.25\n0\n0\n");
     EXPECT_EQ(list("near above.off --radii radii.txt"), closest);
     EXPECT_EQ(list("near above.off --radii radii.txt --backend reference"), closest);
@@ -123,7 +123,7 @@ TEST_F(Near, pairs_close_in_the_rest_shape_are_excluded) {
     expect_refused("near above.off --radius 1 --rest other.off", "triangle 1 has other vertices");
 }
 
-TEST_F(Near, features_within_rings_are_excluded) {
+TEST_F(Near, pairs_of_features_within_the_given_rings_are_excluded) {
     write("square.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 2 1 3\n");
     EXPECT_EQ(list("near square.off --radius 1"), "vf 0 1 0.5\nvf 3 0 0.5\nee 0 1 2 3 1\nee 0 2 1 3 1\n");
     EXPECT_EQ(list("near square.off --radius 1 --rings 0"), list("near square.off --radius 1"));

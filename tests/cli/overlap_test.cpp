@@ -205,7 +205,7 @@ TEST_F(Overlap, csv_json_and_npz_read_back_exactly) {
         EXPECT_TRUE(contains(read("a.npz"), std::string(array) + ".npy")) << array;
 }
 
-TEST_F(Overlap, missing_numbers_are_empty_and_null) {
+TEST_F(Overlap, missing_numbers_are_empty_in_csv_and_null_in_json) {
     ASSERT_EQ(crumple("overlap low.off small.off -o a.csv -o a.json").status, 0);
     EXPECT_EQ(read("a.csv"), heading + std::string("low,small,second_inside,0.015625,0.375,0.375,0.375,0,0,0,,,,,0,0,0,"
                                                    "0.375,0.375,0.375,0\n"));
@@ -250,7 +250,7 @@ TEST_F(Overlap, check_reports_overlaps_by_exit_status) {
     EXPECT_TRUE(contains(outcome.err, "1 overlapping\n")) << outcome.err;
 }
 
-TEST_F(Overlap, stl_is_closed_and_other_seams_need_weld) {
+TEST_F(Overlap, stl_is_welded_by_default_and_other_seams_need_weld) {
     write("part.stl", unshared({0, 0, 0.75}, {1, 1, 1.75}, true));
     write("seams.off", unshared({0, 0, 0.75}, {1, 1, 1.75}, false));
     EXPECT_EQ(text("low.off part.stl", "1 pair"),
@@ -276,7 +276,7 @@ TEST_F(Overlap, open_bodies_are_errors_unless_skipped) {
     expect_refused("overlap low.off open.off --poses poses.csv", "open.off: configuration 1, body 'open'");
 }
 
-TEST_F(Overlap, verify_lists_every_mistake) {
+TEST_F(Overlap, verify_lists_mistakes_by_kind) {
     const std::string right = heading + std::string(low_high);
     EXPECT_EQ(verify(right).out,
               "right: 1 overlaps, 0 missed, 0 false, 0 of another relation, 0 of other numbers, 0 repeated\n");
@@ -362,7 +362,7 @@ TEST_F(Overlap, coloured_files_show_the_surface_of_the_overlap) {
     EXPECT_TRUE(contains(crumple("info c.ply").out, "box                   0 0 0.75 to 1 1 1\n"));
 }
 
-TEST_F(Overlap, coloured_files_without_overlaps_show_no_overlap) {
+TEST_F(Overlap, coloured_ply_is_empty_and_glb_complete_if_nothing_overlaps) {
     EXPECT_EQ(crumple("overlap low.off far.off -o a.ply -o a.glb").status, 0);
     EXPECT_TRUE(contains(crumple("info a.ply").out, "triangles             0\n"));
     EXPECT_TRUE(contains(crumple("info a.glb").out, "triangles             24\n"));

@@ -55,7 +55,7 @@ TEST_F(Pipe, lost_standard_error_changes_no_result_or_status) {
     }
 }
 
-TEST_F(Pipe, standard_input_can_be_read_as_a_file) {
+TEST_F(Pipe, dev_stdin_can_be_read_as_a_file) {
     EXPECT_EQ(shell("cat five.off | $crumple detect /dev/stdin").out, five_pairs);
     EXPECT_EQ(shell("$crumple detect five.off | $crumple verify five.off /dev/stdin").status, 0);
 }

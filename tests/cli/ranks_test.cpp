@@ -214,7 +214,7 @@ TEST_F(Ranks, ranks_print_pairs_in_order) {
 
 TEST_F(Ranks, standard_input_is_read_once) { EXPECT_EQ(ranks(2, "detect -", "cat five.off |").out, five_pairs); }
 
-TEST_F(Ranks, check_returns_one_exit_status) {
+TEST_F(Ranks, check_gives_one_line_and_one_exit_status_for_all_ranks) {
     const Outcome some = ranks(2, "detect five.off --check");
     EXPECT_EQ(some.status, 1);
     EXPECT_EQ(some.out, "something collides\n");
@@ -283,7 +283,7 @@ TEST_F(Ranks, unsupported_options_are_refused) {
     expect_refused("impacts rod.obj rod.obj", "a mesh with lines (l) is not supported on several ranks");
 }
 
-TEST_F(Ranks, single_rank_accepts_unsupported_options) {
+TEST_F(Ranks, single_rank_accepts_options_that_several_do_not_support) {
     EXPECT_EQ(ranks(1, "detect five.off --part 1/1").out, five_pairs);
     const Outcome near = ranks(1, "near five.off --radius 0.5 --rings 1"),
                   alone = crumple("near five.off --radius 0.5 --rings 1");
@@ -291,7 +291,7 @@ TEST_F(Ranks, single_rank_accepts_unsupported_options) {
     EXPECT_EQ(near.out, alone.out);
 }
 
-TEST_F(Ranks, environment_variable_disables_sharing) {
+TEST_F(Ranks, environment_variable_makes_each_rank_run_alone) {
     const Outcome outcome = ranks(2, "detect five.off --part 1/1", "CRUMPLE_MPI=0");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.out, std::string(five_pairs) + five_pairs);

@@ -33,7 +33,7 @@ TEST_F(StreamOfFeatures, stream_has_the_same_lines_as_the_list) {
     }
 }
 
-TEST_F(StreamOfFeatures, empty_result_is_an_empty_list) {
+TEST_F(StreamOfFeatures, empty_result_is_streamed_as_an_empty_list) {
     const Outcome outcome = crumple("near above.off --radius 0.1 --stream -o a.csv");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_TRUE(outcome.err.starts_with("nothing is near: 2 triangles, ")) << outcome.err;

@@ -33,7 +33,7 @@ TEST_F(VerifyFeatures, lists_in_every_format_can_be_verified) {
               0);
 }
 
-TEST_F(VerifyFeatures, every_mistake_is_listed) {
+TEST_F(VerifyFeatures, mistakes_are_listed_by_kind) {
     EXPECT_EQ(impacts("vf 3 0 0.5 0\n").status, 0);
     EXPECT_EQ(impacts("# none\n").out,
               "wrong: 1 impacts, 1 missed, 0 false, 0 late, 0 early, 0 repeated\nmissed vf 3 0 0.5\n");
@@ -59,7 +59,7 @@ TEST_F(VerifyFeatures, row_that_denies_contact_at_the_start_counts_as_late) {
         "wrong: 1 impacts, 0 missed, 0 false, 1 late, 0 early, 0 repeated\nlate vf 3 0 0, it is 0 at the start\n");
 }
 
-TEST_F(VerifyFeatures, wrong_distances_are_found) {
+TEST_F(VerifyFeatures, wrong_distances_are_listed_as_far_or_close) {
     EXPECT_EQ(near("vf 3 0 1\n").out, "right: 1 near pairs, 0 missed, 0 false, 0 far, 0 close, 0 repeated\n");
     EXPECT_EQ(near("vf 3 0 1.5\n").out,
               "wrong: 1 near pairs, 0 missed, 0 false, 1 far, 0 close, 0 repeated\nfar vf 3 0 1.5, it is 1\n");

@@ -33,7 +33,7 @@ TEST_F(Verify, lists_in_every_format_can_be_verified) {
     }
 }
 
-TEST_F(Verify, every_mistake_is_listed) {
+TEST_F(Verify, mistakes_are_listed_by_kind) {
     const Outcome outcome = verify("0 1\n1 2\n0 1\n2 2\n0 3\n1 0\n2 9\n");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.out,
@@ -41,7 +41,7 @@ TEST_F(Verify, every_mistake_is_listed) {
               "repeated 0 1\n");
 }
 
-TEST_F(Verify, any_single_mistake_fails_verification) {
+TEST_F(Verify, missing_extra_or_repeated_pair_fails_verification) {
     EXPECT_EQ(verify("0 1\n0 3\n").status, 1);
     EXPECT_EQ(verify("0 1\n0 3\n2 4\n3 4\n").status, 1);
     EXPECT_EQ(verify("0 1\n0 3\n2 4\n2 4\n").status, 1);

@@ -75,7 +75,7 @@ TEST(DuplicateDegenerates, duplicates_at_most_double_the_work) {
     }
 }
 
-TEST(DuplicateDegenerates, duplicates_add_little_work_between_two_meshes) {
+TEST(DuplicateDegenerates, duplicates_at_most_about_double_the_work_between_two_meshes) {
     const auto a = sheet(), b = test::wavy_sheet(30, 0.4);
     for (const auto& kind : kinds) {
         const auto padded_a = padded(a, kind), padded_b = padded(b, kind);

@@ -39,7 +39,7 @@ std::vector<std::shared_ptr<Executor>> executors() {
             std::make_shared<test::Threads>(3, false)};
 }
 
-TEST(Executor, every_executor_gives_the_same_bytes) {
+TEST(Executor, callers_executors_give_the_same_bytes_as_own_threads) {
     const auto sheet = test::wavy_sheet(60), other = test::wavy_sheet(50, 0.4);
     const IntersectionQuery query{.output = Output::contacts, .weld = true};
     Detector own({.backend = Backend::cpu, .threads = 1, .leaf_size = 300});

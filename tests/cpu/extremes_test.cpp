@@ -57,7 +57,7 @@ TEST(Extremes, huge_triangle_in_the_plane_of_a_fine_floor_is_exact) {
 }
 
 // Tests 1 to 17 points, so that the last SIMD vector has every number of unused lanes; these must not give pairs.
-TEST(Extremes, long_degenerate_triangle_meets_points_only) {
+TEST(Extremes, long_degenerate_triangle_meets_each_of_1_to_17_points_once) {
     Soup<float> a, b;
     add<float>(a, {1, 1, 1}, {0, 0, 0}, {0, 0, 0});
     std::vector<Pair> expected;
@@ -135,7 +135,7 @@ TEST(Extremes, sheets_that_differ_in_subnormal_heights_are_exact) {
     }
 }
 
-TEST(Extremes, subnormal_extent_beside_coordinate_one_is_exact) {
+TEST(Extremes, triangles_of_subnormal_extent_at_x_equal_1_match_brute_force) {
     std::mt19937 engine(3);
     for (const double unit : {5e-324, 1e-310, 1e-307, 1e-305}) {
         Soup<double> soup;

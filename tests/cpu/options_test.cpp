@@ -70,7 +70,7 @@ TEST(Options, fuzziness_and_iterations_do_not_change_the_result) {
         }
 }
 
-TEST(Options, large_scenes_are_subdivided_twice) {
+TEST(Options, sheet_of_80000_triangles_has_more_leaves_than_clusters) {
     const auto sheet = test::wavy_sheet(200);  // 80,000 triangles
     Detector detector;
     const Statistics& statistics = detector.find(sheet.view()).statistics;

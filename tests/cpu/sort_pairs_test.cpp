@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(Threads, SortedPairs, testing::Values(1, 3));
 
 constexpr std::int32_t largest = std::numeric_limits<std::int32_t>::max();
 
-TEST_P(SortedPairs, pairs_of_any_indices_are_sorted) {
+TEST_P(SortedPairs, pairs_of_small_and_large_indices_are_sorted) {
     for (const bool low_memory : {false, true}) {
         for (const std::int32_t seconds : {40, 1000, 1 << 18, (1 << 22) - 1, 1 << 22, 1 << 23, largest})
             expect_sorted({5000, seconds, 0, 0, 5000}, 20'000, low_memory);          // keys of 32 or of 64 bits
@@ -87,7 +87,7 @@ TEST_P(SortedPairs, pairs_in_few_buckets_are_sorted) {
         expect_sorted({50'000, largest, 0, 49'000, 50'000}, 30'000, low_memory);
     }
 }
-TEST_P(SortedPairs, second_indices_may_start_at_an_offset) {
+TEST_P(SortedPairs, pairs_whose_second_indices_start_at_an_offset_are_sorted) {
     for (const std::int32_t seconds : {1 << 18, 1 << 30}) expect_sorted({3000, seconds, 3000, 0, 3000}, 10'000, false);
 }
 TEST_P(SortedPairs, lists_of_at_most_two_pairs_are_sorted) {

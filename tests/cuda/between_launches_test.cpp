@@ -41,7 +41,7 @@ class CudaBetweenLaunches : public testing::Test {
     }
 };
 
-TEST_F(CudaBetweenLaunches, feature_query_ends_launches_in_flight) {
+TEST_F(CudaBetweenLaunches, feature_query_makes_wait_of_launches_in_flight_an_error) {
     for (int round = 0; round < 3; ++round) {
         std::vector launched{cuda_.launch(device_.view())};
         if (round > 0) launched.push_back(cuda_.launch(device_.view()));
@@ -51,7 +51,7 @@ TEST_F(CudaBetweenLaunches, feature_query_ends_launches_in_flight) {
     expect_result(cuda_.launch(device_.view()));
 }
 
-TEST_F(CudaBetweenLaunches, feature_query_may_follow_a_wait) {
+TEST_F(CudaBetweenLaunches, feature_query_after_wait_matches_the_cpu_and_ends_download) {
     for (int round = 0; round < 3; ++round) {
         const auto launched = cuda_.launch(device_.view());
         expect_result(launched);
@@ -61,7 +61,7 @@ TEST_F(CudaBetweenLaunches, feature_query_may_follow_a_wait) {
     }
 }
 
-TEST_F(CudaBetweenLaunches, feature_query_ends_a_captured_launch) {
+TEST_F(CudaBetweenLaunches, feature_query_makes_wait_of_a_captured_launch_an_error) {
     cudaStream_t stream = nullptr;
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
     MeshView view = device_.view();

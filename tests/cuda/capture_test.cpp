@@ -111,7 +111,7 @@ TEST(CudaCapture, host_decides_pairs_that_the_device_cannot) {
     EXPECT_GT(unresolved, 0);
 }
 
-TEST(CudaCapture, two_meshes_on_two_streams_can_be_captured) {
+TEST(CudaCapture, captured_launch_of_meshes_on_two_streams_matches_the_cpu) {
     const io::TriangleMesh mesh = cloth(700);
     const Halves half(mesh.view());
     const DeviceMesh a(half.a), b(half.b);
@@ -216,7 +216,7 @@ TEST(CudaCapture, incomplete_replay_reports_pairs_needed) {
     EXPECT_TRUE(shows(replay_until_complete(recorder, again), view, nullptr, cpu.find(dense.view())));
 }
 
-TEST(CudaCapture, invalid_input_is_reported_and_later_replays_work) {
+TEST(CudaCapture, replay_of_invalid_input_is_an_error_and_later_replays_are_right) {
     const Soup<float> good = random_soup(200, 0.2);
     Soup<float> bad = good;
     bad.vertices[17][1] = std::numeric_limits<float>::infinity();

@@ -94,7 +94,7 @@ TYPED_TEST(CudaDeviceFeatures, launch_results_on_the_device_match_the_cpu) {
     check(cudaStreamDestroy(stream));
 }
 
-TEST(CudaDeviceFeatures, radii_and_rest_shape_may_be_on_the_device) {
+TEST(CudaDeviceFeatures, proximities_match_the_cpu_for_radii_and_rest_shape_on_the_device) {
     const MovingSoup<float> soup = falling(400, 80);
     const DeviceStep<float> on_device(soup);
     std::vector<double> radii;
@@ -206,7 +206,7 @@ TEST(CudaDeviceFeatures, group_filters_match_the_cpu) {
 constexpr const char* not_the_oldest = "an older launch is in flight; call wait() in the order of the launches";
 
 // Two launches of different kinds may be in flight. wait() must be called in the order of the launches.
-TEST(CudaDeviceFeatures, launches_of_all_kinds_may_alternate) {
+TEST(CudaDeviceFeatures, alternating_launches_of_four_kinds_match_the_cpu) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     const MovingSoup<float> first = falling(300, 85), second = falling(500, 88);
     const DeviceStep<float> a(first), b(second);
@@ -255,7 +255,7 @@ TEST(CudaDeviceFeatures, two_launches_in_flight_match_the_cpu) {
     EXPECT_GT(impacts, 0);
 }
 
-TEST(CudaDeviceFeatures, changed_triangles_are_noticed) {
+TEST(CudaDeviceFeatures, near_pairs_are_right_after_triangles_or_edges_changed) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     MovingSoup<float> soup = falling(300, 88), torn = soup;
     std::swap(torn.triangles[7], torn.triangles[100]);

@@ -186,7 +186,7 @@ TEST(CudaDevice, errors_name_the_invalid_element) {
     }
 }
 
-TEST(CudaDevice, earlier_cuda_errors_are_ignored) {
+TEST(CudaDevice, find_matches_the_cpu_after_an_earlier_cuda_error) {
     const io::TriangleMesh mesh = cloth(300);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
     ASSERT_NE(cudaSetDevice(1000), cudaSuccess);  // CUDA keeps this as the last error

@@ -42,7 +42,7 @@ class CudaMachineDeviceWorlds : public testing::Test {
 };
 
 // The graph has one node more than that of a mesh on the device: the kernel that finds the bodies of pairs.
-TEST_F(CudaMachineDeviceWorlds, launch_is_a_graph_of_few_nodes) {
+TEST_F(CudaMachineDeviceWorlds, graph_of_a_launch_has_17_nodes) {
     const DeviceWorld device(world());
     for (const Output output : {Output::any_by_world, Output::pairs}) {
         Detector cuda({.backend = Backend::cuda});
@@ -97,7 +97,7 @@ TEST_F(CudaMachineDeviceWorlds, failed_allocation_or_launch_does_not_change_resu
     }
 }
 
-TEST_F(CudaMachineDeviceWorlds, launch_reports_the_memory_limit_that_it_needs) {
+TEST_F(CudaMachineDeviceWorlds, memory_limit_error_of_a_launch_names_no_more_than_it_needs) {
     const DeviceWorld device(world());
     const Intersections expected = Detector({.backend = Backend::cpu}).find(world());
     const auto launch_matches = [&](Detector& detector) {
@@ -120,7 +120,7 @@ TEST_F(CudaMachineDeviceWorlds, launch_reports_the_memory_limit_that_it_needs) {
     EXPECT_GE(results, 1);
 }
 
-TEST_F(CudaMachineDeviceWorlds, failed_allocation_of_a_launch_is_a_device_error) {
+TEST_F(CudaMachineDeviceWorlds, failed_allocation_in_a_launch_gives_result_or_device_error) {
     const DeviceWorld device(world());
     const Intersections expected = Detector({.backend = Backend::cpu}).find(world());
     Detector cuda({.backend = Backend::cuda});

@@ -70,7 +70,7 @@ TEST(CudaDeviceWorlds, results_match_brute_force) {
         }
 }
 
-TEST(CudaDeviceWorlds, poses_may_be_float32) {
+TEST(CudaDeviceWorlds, results_match_the_cpu_for_float32_poses) {
     const auto world = posed_world(3, {.bodies = 14, .worlds = 4, .mixed_precision = false});
     for (Pose& pose : world->poses)
         for (double& x : pose.rows) x = static_cast<double>(static_cast<float>(x));
@@ -82,7 +82,7 @@ TEST(CudaDeviceWorlds, poses_may_be_float32) {
     EXPECT_TRUE(shows_world(cuda.launch(device.view()).wait(), expected));
 }
 
-TEST(CudaDeviceWorlds, launch_leaves_its_result_on_the_device) {
+TEST(CudaDeviceWorlds, launch_results_on_the_device_match_the_cpu) {
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     cudaStream_t stream;
     check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking));
@@ -113,7 +113,7 @@ TEST(CudaDeviceWorlds, launch_leaves_its_result_on_the_device) {
 
 // The second launch may have other bodies than the first one, even if the lists of the first one were too short, so
 // that wait() runs it again after the second has been launched.
-TEST(CudaDeviceWorlds, two_launches_may_be_in_flight) {
+TEST(CudaDeviceWorlds, two_launches_in_flight_match_the_cpu) {
     const auto one = posed_world(21, {.bodies = 20, .worlds = 6, .named = 1, .mixed_precision = false});
     const auto two = posed_world(22, {.bodies = 12, .worlds = 3, .named = 0});
     const auto many = random_soup<float>(260, 0.8, 3);
@@ -157,7 +157,7 @@ TEST(CudaDeviceWorlds, launches_of_worlds_and_meshes_may_alternate) {
     EXPECT_EQ(newer.wait().worlds, 3);
 }
 
-TEST(CudaDeviceWorlds, worlds_may_change_between_calls) {
+TEST(CudaDeviceWorlds, results_match_the_cpu_after_worlds_change_between_calls) {
     const auto world = posed_world(41, {.bodies = 16, .worlds = 4, .named = 0.5});
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
     const auto compare = [&](const IntersectionQuery& query = {}) {
@@ -243,7 +243,7 @@ TEST(CudaDeviceWorlds, error_of_a_bad_pose_names_the_body) {
     }
 }
 
-TEST(CudaDeviceWorlds, launch_can_be_captured) {
+TEST(CudaDeviceWorlds, each_complete_replay_of_a_captured_launch_matches_the_cpu) {
     const auto world = posed_world(51, {.bodies = 40, .worlds = 12, .named = 1});
     DeviceWorld device(world->view());
     Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
@@ -282,7 +282,7 @@ TEST(CudaDeviceWorlds, launch_can_be_captured) {
     }
 }
 
-TEST(CudaDeviceWorlds, other_queries_with_device_poses_match_the_cpu) {
+TEST(CudaDeviceWorlds, impacts_proximities_and_candidates_match_the_cpu) {
     const auto world = posed_world(71, {.bodies = 14, .worlds = 4, .mixed_precision = false});
     const std::vector<Pose> ends = moved(world->poses, 5);
     World host = world->view();

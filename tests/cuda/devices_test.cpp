@@ -100,7 +100,7 @@ TEST_F(Devices, queries_not_divided_among_devices_match_the_cpu) {
     EXPECT_TRUE(same_result(with_less.find(sheet.view()), one.find(sheet.view())));
 }
 
-TEST_F(Devices, errors_are_reported_and_the_detector_stays_usable) {
+TEST_F(Devices, detector_stays_usable_after_bad_input_stop_and_throwing_poll) {
     const WholeMesh sheet(wavy_sheet<float>(12));
     const auto code_of = [](std::vector<int> devices) {
         return error_of([&] { Detector detector(some(std::move(devices))); }).code;
@@ -135,7 +135,7 @@ TEST_F(Devices, errors_are_reported_and_the_detector_stays_usable) {
 }
 
 // Local meshes may be on the ranks' devices; they are copied to the host.
-TEST_F(Devices, local_meshes_of_ranks_may_be_on_devices) {
+TEST_F(Devices, ranks_match_a_single_detector_for_local_meshes_on_devices) {
     constexpr int ranks = 2;
     const Step step(WholeMesh(wavy_sheet<float>(10)));
     Detector one({.backend = Backend::cpu});

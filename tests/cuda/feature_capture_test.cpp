@@ -51,7 +51,7 @@ TEST(CudaFeatureCapture, each_complete_replay_gives_the_current_result) {
     EXPECT_GE(complete, 3) << "of 6 frames that look like the ones before";
 }
 
-TEST(CudaFeatureCapture, impact_proximity_and_candidate_queries_can_be_captured) {
+TEST(CudaFeatureCapture, captured_impacts_proximities_and_candidates_match_the_cpu) {
     const MovingSoup<float> soup = falling(400, 88);
     const DeviceStep<float> on_device(soup);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -107,7 +107,7 @@ TEST(CudaFeatureCapture, changed_triangles_make_a_replay_incomplete) {
     EXPECT_TRUE(shows(cuda.launch(view, near).wait(), cpu.find(soup.view(), near)));
 }
 
-TEST(CudaFeatureCapture, capture_needs_calls_before_it) {
+TEST(CudaFeatureCapture, launch_in_a_capture_is_rejected_without_calls_before_it) {
     const MovingSoup<float> soup = falling(200, 88), other = falling(300, 88);
     const DeviceStep<float> on_device(soup), another(other);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});

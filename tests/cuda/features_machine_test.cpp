@@ -100,7 +100,7 @@ TEST_F(CudaMachineFeatures, failed_allocation_or_launch_gives_result_or_device_e
     }
 }
 
-TEST_F(CudaMachineFeatures, launch_reports_the_memory_limit_that_it_needs) {
+TEST_F(CudaMachineFeatures, memory_limit_error_of_a_launch_names_no_more_than_it_needs) {
     std::int64_t limit = 1 << 25;
     int results = 0;
     for (;; limit = limit * 2 / 3, ++results) {

@@ -41,14 +41,14 @@ class KnownAnswersOnEmulatedDevice : public testing::Test {
     cuda::Stream stream_ = cuda::make_stream(device_);
 };
 
-TEST_F(KnownAnswersOnEmulatedDevice, comparison_takes_eight_launches_and_a_copy_each_way) {
+TEST_F(KnownAnswersOnEmulatedDevice, comparison_takes_at_most_eight_launches_and_two_copies) {
     const cuda_on_cpu::WorkCount before = cuda_on_cpu::work_count();
     EXPECT_EQ(difference(), "");
     EXPECT_LE(cuda_on_cpu::work_count().launches - before.launches, 8u);
     EXPECT_EQ(cuda_on_cpu::work_count().copies - before.copies, 2u);
 }
 
-TEST_F(KnownAnswersOnEmulatedDevice, rounding_mode_of_the_caller_does_not_matter) {
+TEST_F(KnownAnswersOnEmulatedDevice, comparison_passes_and_preserves_the_callers_upward_rounding) {
     std::fesetround(FE_UPWARD);
     const std::string found = difference();
     EXPECT_EQ(std::fegetround(), FE_UPWARD);
@@ -67,7 +67,7 @@ TEST_F(KnownAnswersOnEmulatedDevice, known_answers_are_compared_once_per_process
     EXPECT_EQ(launches(), second);
 }
 
-TEST_F(KnownAnswersOnEmulatedDevice, kernel_that_does_nothing_is_detected) {
+TEST_F(KnownAnswersOnEmulatedDevice, comparison_names_the_result_of_a_kernel_that_does_nothing) {
     for (const auto& [launch, expected] : {std::pair{0, "the intersection"},
                                            {1, "the intersection"},
                                            {2, "the contact"},

@@ -200,7 +200,7 @@ TEST(CudaLaunch, two_alternating_buffers_match_the_cpu) {
     }
 }
 
-TEST(CudaLaunch, excluded_groups_may_change_with_each_query) {
+TEST(CudaLaunch, results_match_the_cpu_while_excluded_groups_change) {
     io::TriangleMesh mesh = cloth(600, 93);
     mesh.groups.clear();
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) mesh.groups.push_back(t % 3);
@@ -224,7 +224,7 @@ TEST(CudaLaunch, excluded_groups_may_change_with_each_query) {
     EXPECT_LT(counts[3], counts[4]);
 }
 
-TEST(CudaLaunch, download_needs_a_wait_of_the_last_call) {
+TEST(CudaLaunch, download_is_rejected_before_wait_and_after_a_later_call) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -257,7 +257,7 @@ TEST(CudaLaunch, two_meshes_match_the_cpu) {
     }
 }
 
-TEST(CudaLaunch, find_ends_launches_in_flight) {
+TEST(CudaLaunch, find_makes_wait_of_launches_in_flight_an_error) {
     const io::TriangleMesh first = cloth(300), second = cloth(500);
     const DeviceMesh device_first(first.view()), device_second(second.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -321,7 +321,7 @@ TEST(CudaLaunch, two_frames_in_flight_match_the_cpu) {
 
 // The wait() of the first launch decides the pairs that its pass (one run of all stages) left undecided, although the
 // second pass has already reused the lists. Both results are right.
-TEST(CudaLaunch, hard_frames_in_flight_match_the_cpu) {
+TEST(CudaLaunch, two_hard_soups_in_flight_match_the_cpu) {
     const std::vector<NamedMesh> scenes = hard_soups();
     const IntersectionQuery query{.output = Output::contacts};
     Detector cpu({.backend = Backend::cpu});
@@ -445,7 +445,7 @@ TEST(CudaLaunch, wait_is_allowed_once_and_in_order) {
     }
 }
 
-TEST(CudaLaunch, wait_may_follow_a_cancelled_wait) {
+TEST(CudaLaunch, wait_after_a_cancelled_wait_gives_the_result) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});
@@ -546,7 +546,7 @@ TEST(CudaLaunch, empty_meshes_match_the_cpu) {
     }
 }
 
-TEST(CudaLaunch, capture_of_another_thread_is_not_disturbed) {
+TEST(CudaLaunch, calls_leave_the_capture_of_another_thread_valid) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view());
     const DeviceMesh device(mesh.view());
@@ -571,7 +571,7 @@ TEST(CudaLaunch, capture_of_another_thread_is_not_disturbed) {
     check(cudaStreamDestroy(stream));
 }
 
-TEST(CudaLaunch, default_streams_can_be_used_while_another_thread_captures) {
+TEST(CudaLaunch, launches_on_default_streams_match_while_another_thread_captures) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view());
     const DeviceMesh device(mesh.view());
@@ -597,7 +597,7 @@ TEST(CudaLaunch, default_streams_can_be_used_while_another_thread_captures) {
     check(cudaStreamDestroy(captured));
 }
 
-TEST(CudaLaunch, calls_on_a_capturing_stream_are_rejected) {
+TEST(CudaLaunch, calls_on_a_capturing_stream_without_warm_up_are_rejected) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const DeviceMesh device(mesh.view());
     const DeviceBytes bytes(std::vector<std::byte>(4));
@@ -618,7 +618,7 @@ TEST(CudaLaunch, calls_on_a_capturing_stream_are_rejected) {
     check(cudaStreamDestroy(stream));
 }
 
-TEST(CudaLaunch, wait_reports_bad_input) {
+TEST(CudaLaunch, wait_throws_if_a_triangle_names_a_missing_vertex) {
     io::TriangleMesh mesh = cloth(300);
     mesh.triangles[5] = 1'000'000;
     const DeviceMesh bad(mesh.view());

@@ -51,7 +51,7 @@ TEST_F(CudaMachine, missing_driver_makes_the_backend_unavailable) {
     EXPECT_EQ(message().substr(0, 34), "the cuda backend is not available:");
 }
 
-TEST_F(CudaMachine, device_number_that_does_not_exist_is_reported) {
+TEST_F(CudaMachine, device_number_that_does_not_exist_is_an_error) {
     try {
         Detector({.backend = Backend::cuda, .device = 3});
         FAIL();
@@ -179,7 +179,7 @@ TEST_F(CudaMachine, chunk_lists_grow_with_the_available_memory) {
 // uses these numbers. The other nodes prepare the warm start of the next frame beside the chain: two iterations of two
 // nodes and positions for each level, and the frames of leaves. The order in which threads add affects the clusters;
 // the scene has so few triangles that this does not change the number of levels.
-TEST_F(CudaMachine, graphs_have_few_nodes) {
+TEST_F(CudaMachine, graph_of_a_launch_has_at_most_15_nodes_on_its_longest_chain) {
     const io::TriangleMesh mesh = scenes::make("soup", {.triangles = 50});
     ASSERT_EQ(mesh.view().triangles.rows, 50);
     const DeviceMesh device(mesh.view());
@@ -197,7 +197,7 @@ TEST_F(CudaMachine, graphs_have_few_nodes) {
 }
 
 // A caller's graph gets the same nodes as a graph of the library, and needs no allocation.
-TEST_F(CudaMachine, callers_graph_has_the_nodes_of_the_librarys_graph) {
+TEST_F(CudaMachine, callers_graph_has_as_many_nodes_as_the_librarys_graph) {
     const DeviceMesh device(scenes::make("soup", {.triangles = 50}).view());
     Detector cuda({.backend = Backend::cuda, .clusters = 3});
     cudaStream_t stream;
@@ -352,7 +352,7 @@ TEST_F(CudaMachine, arrays_that_the_device_cannot_read_are_rejected) {
     EXPECT_EQ(message([&] { cuda.find(device.view()); }), "no error");
 }
 
-TEST_F(CudaMachine, broken_device_makes_calls_fail) {
+TEST_F(CudaMachine, wait_find_and_launch_on_a_broken_device_are_errors) {
 #ifdef CUDA_ON_CPU_ASAN
     const __lsan::ScopedDisabler nothing_is_freed_on_a_broken_device;
 #endif

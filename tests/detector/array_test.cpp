@@ -31,7 +31,7 @@ TEST(Array, memory_meter_counts_storage_that_is_swapped_in) {
     EXPECT_EQ(meter.used, 0);
 }
 
-TEST(Array, arrays_of_two_meters_can_be_swapped) {
+TEST(Array, swap_of_arrays_of_two_meters_updates_both) {
     MemoryMeter first, second;
     Ints a(&first), b(&second);
     a.assign(100, 7);

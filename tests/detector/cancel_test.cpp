@@ -93,7 +93,7 @@ TEST(Cancellation, stop_ends_the_running_call_and_detector_stays_usable) {
     }
 }
 
-TEST(Cancellation, earlier_stop_request_ends_every_call) {
+TEST(Cancellation, stop_requested_before_a_call_cancels_it) {
     const auto soup = test::random_soup(500, 0.2);
     const MeshView mesh = soup.view();
     std::stop_source source;

@@ -20,7 +20,7 @@ namespace {
 using test::difference;
 using test::pairs_of;
 
-TEST(Detector, results_are_sorted_and_consistent) {
+TEST(Detector, pairs_are_sorted_and_agree_with_offsets_and_hit_flags) {
     const auto soup = test::random_soup(2000, 0.1);
     Detector detector;
     const Intersections& c = detector.find(soup.view());
@@ -102,7 +102,7 @@ TEST(Detector, taken_results_do_not_count_towards_the_memory_limit) {
     for (const Intersections& result : held) EXPECT_EQ(difference(pairs_of(held[0]), pairs_of(result)), "");
 }
 
-TEST(Detector, frames_of_changing_topology_need_no_new_detector) {
+TEST(Detector, reused_detector_matches_a_new_one_for_changing_topology) {
     Detector warm;
     for (const int count : {1000, 10, 3000, 0, 2, 1500}) {
         const auto soup = test::random_soup(count, 0.08, static_cast<unsigned>(count) + 1);
@@ -143,7 +143,7 @@ TEST(Detector, any_reports_whether_anything_collides) {
     }
 }
 
-TEST(Detector, moved_detector_stays_usable) {
+TEST(Detector, detector_made_by_move_gives_the_same_pairs) {
     const auto soup = test::random_soup(300, 0.2);
     Detector first;
     const auto expected = pairs_of(first.find(soup.view()));

@@ -69,7 +69,7 @@ TEST_P(FreeSteps, only_vertices_of_pairs_that_touch_are_held_back) {
     }
 }
 
-TEST_P(FreeSteps, bodies_or_worlds_are_held_back_as_a_whole) {
+TEST_P(FreeSteps, each_body_or_world_is_held_back_by_its_own_first_impact) {
     const MovingSoup<> soup = falling({4, 8, 1});
     std::vector<Shape> shapes;
     std::vector<Body> bodies;
@@ -163,7 +163,7 @@ TEST_P(FreeSteps, posed_bodies_move_from_start_to_end_poses) {
     EXPECT_EQ(step.positions[posed + 2], 2 - 4 * (0.5 * cut));
 }
 
-TEST_P(FreeSteps, intersecting_triangles_are_reported_and_hold_their_world) {
+TEST_P(FreeSteps, triangles_that_intersect_at_the_start_hold_back_only_their_world) {
     MovingSoup<> soup = falling({1, 1});
     for (std::size_t v = 3; v < 6; ++v)
         soup.start[v] = {soup.start[v - 3][0] + 0.5, 0.5, 1 - static_cast<double>(v - 3)};

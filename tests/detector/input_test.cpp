@@ -21,7 +21,7 @@ const std::vector<std::array<float, 3>> vertices{{0, 0, 0},        {1, 0, 0},   
 const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}};
 const std::vector<Pair> expected{{0, 1}};
 
-TEST(Input, every_index_type_is_accepted) {
+TEST(Input, int32_uint32_and_int64_triangle_indices_are_accepted) {
     Detector detector;
     EXPECT_EQ(pairs_of(detector.find({vertices, triangles})), expected);
     const std::vector<std::array<std::uint32_t, 3>> unsigned_triangles{{0, 1, 2}, {3, 4, 5}};
@@ -94,7 +94,7 @@ void expect_bad_values_named_anywhere() {
     }
 }
 
-TEST(Input, bad_coordinate_is_reported_at_any_row) {
+TEST(Input, error_names_the_row_of_a_coordinate_that_is_not_finite) {
     expect_bad_values_named_anywhere<float>();
     expect_bad_values_named_anywhere<double>();
 }
@@ -112,7 +112,7 @@ void expect_bad_indices_named_anywhere(Index bad) {
     }
 }
 
-TEST(Input, bad_index_is_reported_at_any_row) {
+TEST(Input, error_names_the_row_and_value_of_an_index_out_of_range) {
     expect_bad_indices_named_anywhere<std::int32_t>(6);
     expect_bad_indices_named_anywhere<std::int32_t>(-1);
     expect_bad_indices_named_anywhere<std::uint32_t>(6);
@@ -122,7 +122,7 @@ TEST(Input, bad_index_is_reported_at_any_row) {
     expect_bad_indices_named_anywhere<std::int64_t>(std::numeric_limits<std::int64_t>::min());
 }
 
-TEST(Input, index_out_of_range_is_reported) {
+TEST(Input, index_out_of_range_error_has_its_code_and_triangle) {
     Detector detector;
     for (const std::int32_t bad : {-1, 6, 90, std::numeric_limits<std::int32_t>::min()}) {
         auto broken = triangles;
@@ -212,7 +212,7 @@ TEST(Input, wrong_array_size_error_names_the_mesh) {
     EXPECT_EQ(error_of([&] { detector.find({good, bad}); }).what(), "the second mesh" + rest);
 }
 
-TEST(Input, filter_between_groups_needs_groups) {
+TEST(Input, filter_between_groups_is_rejected_if_no_mesh_has_groups) {
     Detector detector;
     const std::vector<std::int32_t> groups{1, 2};
     const MeshView plain(vertices, triangles), grouped(vertices, triangles, groups), none;
@@ -288,7 +288,7 @@ TEST(Input, matrices_of_either_storage_order_are_read) {
     EXPECT_STREQ(error.what(), "vertices must have one row each and 3 columns, not 6 columns");
 }
 
-TEST(Input, excluded_groups_need_groups) {
+TEST(Input, excluded_groups_are_rejected_if_no_mesh_has_groups) {
     const std::vector<GroupPair> excluded{{0, 1}};
     const MeshView mesh(vertices, triangles);
     MeshView grouped = mesh;

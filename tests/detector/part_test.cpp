@@ -199,7 +199,7 @@ TEST(Part, parts_do_not_depend_on_threads_or_backend) {
 }
 
 // A process with a slice of the triangles finds the same members as one with all triangles.
-TEST(Part, any_slice_of_triangles_gives_the_same_members) {
+TEST(Part, slices_of_the_triangles_give_the_same_members_of_parts) {
     const auto soup = test::random_soup<double>(500, 0.1);
     ParallelFor serial;
     SceneBuffers buffers;
@@ -235,7 +235,7 @@ TEST(Part, any_slice_of_triangles_gives_the_same_members) {
     }
 }
 
-TEST(Part, levels_are_as_few_as_possible) {
+TEST(Part, up_to_64_parts_need_one_level_and_up_to_4096_two) {
     const auto soup = test::random_soup(2000, 0.05);
     Detector detector;
     for (const auto& [count, levels] : {std::pair{1, 1u}, {64, 1u}, {65, 2u}, {4096, 2u}, {4097, 3u}}) {
@@ -297,7 +297,7 @@ TEST(Part, inconsistent_parts_are_rejected) {
 }
 
 // Centres are computed in float32, where the largest float64 number rounds to infinity.
-TEST(Part, scene_of_the_largest_numbers_can_be_partitioned) {
+TEST(Part, parts_of_a_scene_of_largest_numbers_give_the_whole_result) {
     constexpr double most = std::numeric_limits<double>::max();
     test::Soup<double> soup;
     soup.vertices = {{-most, most, -most}, {-most, most, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -309,7 +309,7 @@ TEST(Part, scene_of_the_largest_numbers_can_be_partitioned) {
         expect_union(whole, detector.partition(soup.view(), {}, count), query, detector);
 }
 
-TEST(Part, scene_far_from_the_origin_can_be_partitioned) {
+TEST(Part, parts_of_a_scene_far_from_the_origin_give_the_whole_result) {
     auto soup = test::random_soup<double>(400, 0.2);
     for (auto& vertex : soup.vertices)
         for (double& x : vertex) x = (x + 1e6) * 1e200;

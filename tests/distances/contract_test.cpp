@@ -65,12 +65,12 @@ TEST_P(DistancesOfEachBackend, touching_bodies_have_distance_zero) {
     EXPECT_EQ(found.triangles[1], (Pair{0, 0}));
     EXPECT_EQ(found.points[0][0], (std::array<double, 3>{1, 0.5, 0}));
 }
-TEST_P(DistancesOfEachBackend, rows_follow_the_order_of_bodies_in_all_worlds) {
+TEST_P(DistancesOfEachBackend, rows_are_sorted_by_pair_of_bodies_across_worlds) {
     const std::vector<Body> bodies{{.world = 0}, {.world = 0}, {.world = 2}, {.world = -1}, {.world = -1}};
     const std::vector<Pose> poses{{}, moved(3), moved(0, 5), moved(0, 0, 4), moved(0, 0, -1)};
     EXPECT_EQ(rows(find(bodies, poses)), (Rows{{0, 1}, {0, 3}, {0, 4}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}));
 }
-TEST_P(DistancesOfEachBackend, nearest_output_lists_one_pair_per_world) {
+TEST_P(DistancesOfEachBackend, nearest_output_lists_at_most_one_pair_per_world) {
     const std::vector<Body> bodies{{.world = 0}, {.world = 0},  {.world = 0}, {.world = 2},
                                    {.world = 3}, {.world = -1}, {.world = -1}};
     const std::vector<Pose> poses{{}, moved(3), moved(-3), moved(0, 5), moved(40), moved(0, 0, 4), moved(0, 0, -1)};
@@ -182,7 +182,7 @@ TEST(DistanceCalls, swap_result_moves_the_result_without_copying) {
 }
 
 /// Trees of named shapes are shared with other queries about worlds.
-TEST(DistanceCalls, cached_trees_of_named_shapes_are_used) {
+TEST(DistanceCalls, vertices_of_a_cached_named_shape_are_not_read_again) {
     const auto soup = random_soup(50, 0.2);
     std::vector<Shape> shapes{Shape(soup.view(), 7)};
     const std::vector<Body> bodies(2);
@@ -238,7 +238,7 @@ class NearestMemory : public testing::TestWithParam<int> {};
 
 /// Expects that a call under a limit either returns the same result and does not exceed the limit, or throws an error
 /// whose bytes_needed lead to a sufficient limit.
-TEST_P(NearestMemory, peak_stays_within_the_limit) {
+TEST_P(NearestMemory, peak_stays_within_the_limit_or_the_query_is_refused) {
     const auto world = random_world(3, {.shapes = 4, .bodies = 30, .triangles = 300, .named = 0.7, .reach = 3});
     for (const Output output : {Output::pairs, Output::nearest}) {
         const DistanceQuery query{.output = output};

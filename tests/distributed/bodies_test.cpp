@@ -134,7 +134,7 @@ TEST(RankBodies, without_ids_bodies_are_numbered_rank_by_rank) {
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(RankBodies, moving_bodies_need_coordinates_only) {
+TEST(RankBodies, moved_statistic_is_set_if_bodies_move_but_not_if_one_is_replaced) {
     constexpr int ranks = 3, frames = 5;
     std::vector<std::unique_ptr<RandomWorld>> worlds;
     for (int frame = 0; frame < frames; ++frame) {
@@ -222,7 +222,7 @@ TEST(RankBodies, impacts_and_proximities_match_a_single_detector) {
 }
 
 // Edges are recomputed when triangles change, even if their number does not.
-TEST(RankBodies, changed_triangles_of_the_same_number_are_noticed) {
+TEST(RankBodies, proximities_match_after_triangles_change_but_not_their_number) {
     Soup<float> fan = random_soup<float>(8, 0.5), loose = fan;
     for (std::size_t t = 1; t < fan.triangles.size(); ++t) fan.triangles[t][0] = 0, fan.triangles[t][1] = 1;
     const std::vector<Body> bodies(3, Body{.self = true});
@@ -352,7 +352,7 @@ TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
 }
 
 // One rank passes triangles and the others pass bodies: all ranks must report an error, and none may wait forever.
-TEST(RankBodies, calls_of_different_kinds_fail_on_all_ranks) {
+TEST(RankBodies, mesh_on_one_rank_and_bodies_on_others_are_an_error_on_all_ranks) {
     const auto world = touching_world(4);
     std::vector<std::string> messages(3);
     run_ranks(3, [&](Transport& transport) {

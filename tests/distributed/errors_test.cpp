@@ -120,7 +120,7 @@ TEST(RankErrors, error_in_any_phase_is_the_same_on_all_ranks) {
     }
 }
 
-TEST(RankErrors, error_names_the_first_invalid_element_of_all_ranks) {
+TEST(RankErrors, error_names_the_first_vertex_that_is_not_finite_and_its_rank) {
     const auto spoil = [](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 0) return;
         auto& xyz = std::get<0>(piece.vertices);
@@ -137,7 +137,7 @@ TEST(RankErrors, error_names_the_first_invalid_element_of_all_ranks) {
     EXPECT_EQ(seen.index, piece.vertex_ids[5]);
 }
 
-TEST(RankErrors, index_out_of_range_names_its_rank) {
+TEST(RankErrors, error_about_an_index_out_of_range_names_the_rank) {
     const Seen seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 2) piece.corners[3 * 7 + 2] = 100000;
     });
@@ -146,7 +146,7 @@ TEST(RankErrors, index_out_of_range_names_its_rank) {
     EXPECT_EQ(seen.rank, 2);
 }
 
-TEST(RankErrors, missing_and_duplicate_ids_are_reported) {
+TEST(RankErrors, error_names_the_missing_duplicate_or_invalid_id) {
     Seen seen = seen_by_all([](int rank, MeshPiece& piece, IntersectionQuery&) {
         if (rank == 1) piece.triangle_ids[3] = 2;
     });
@@ -171,7 +171,7 @@ TEST(RankErrors, missing_and_duplicate_ids_are_reported) {
     EXPECT_EQ(seen.element, Element::vertex);
 }
 
-TEST(RankErrors, shared_vertices_that_differ_are_reported) {
+TEST(RankErrors, error_names_a_vertex_whose_coordinates_differ_between_ranks) {
     const WholeMesh mesh(wavy_sheet<float>(16));
     const MeshPiece first(mesh, Distribution::blocks, 0, ranks), second(mesh, Distribution::blocks, 1, ranks);
     std::size_t shared = 0;
@@ -187,7 +187,7 @@ TEST(RankErrors, shared_vertices_that_differ_are_reported) {
     EXPECT_EQ(seen.index, second.vertex_ids[shared]);
 }
 
-TEST(RankErrors, different_queries_on_ranks_are_reported) {
+TEST(RankErrors, different_queries_or_options_on_ranks_are_an_error) {
     const std::string expected = "rank 0: the query and the options must be the same on all ranks";
     EXPECT_EQ(seen_by_all([](int rank, MeshPiece&, IntersectionQuery& query) {
                   query.output = rank == 1 ? Output::contacts : Output::pairs;
@@ -222,7 +222,7 @@ TEST(RankErrors, different_queries_on_ranks_are_reported) {
         "rank 0: filter.groups = between needs groups, and no rank has any: nothing lies between different groups");
 }
 
-TEST(RankErrors, ids_on_some_ranks_only_are_reported) {
+TEST(RankErrors, vertex_ids_missing_on_one_of_two_ranks_are_an_error) {
     std::vector<Seen> seen(2);
     run_ranks(2, [&](Transport& transport) {
         const MeshPiece piece(WholeMesh(wavy_sheet<float>(8)), Distribution::blocks, transport.rank(), 2);
@@ -268,7 +268,7 @@ TEST(RankErrors, stop_on_one_rank_ends_the_call_on_all) {
     }
 }
 
-TEST(RankErrors, unrelated_exception_is_rethrown_on_the_rank_that_threw_it) {
+TEST(RankErrors, exception_of_a_hook_keeps_its_text_on_its_own_rank) {
     const WholeMesh mesh(wavy_sheet<float>(8));
     std::vector<std::string> seen(ranks);
     run_ranks(ranks, [&](Transport& transport) {
@@ -306,7 +306,7 @@ TEST(RankErrors, error_in_progress_callback_ends_the_call_on_all_ranks) {
     }
 }
 
-TEST(RankErrors, memory_error_reports_largest_shortfall) {
+TEST(RankErrors, memory_limit_error_is_the_same_on_all_ranks) {
     const WholeMesh mesh(wavy_sheet<float>(40));
     std::vector<Seen> seen(ranks);
     run_ranks(ranks, [&](Transport& transport) {
@@ -353,7 +353,7 @@ TEST(RankErrors, memory_does_not_grow_while_triangles_change_parts) {
     EXPECT_EQ(run_frames(limit + limit / 4, 300), Seen{});
 }
 
-TEST(RankErrors, ended_rank_leaves_no_rank_waiting) {
+TEST(RankErrors, rank_that_throws_leaves_no_rank_waiting) {
     std::vector<Seen> seen(ranks);
     EXPECT_THROW(run_ranks(ranks,
                            [&](Transport& transport) {

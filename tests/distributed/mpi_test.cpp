@@ -187,7 +187,7 @@ TEST_F(MpiRanks, error_is_the_same_on_all_ranks_and_later_calls_succeed) {
     EXPECT_EQ(error_of([&] { count_pairs(detector, good.share()); }).code, ErrorCode::communication);
 }
 
-TEST_F(MpiRanks, ranks_share_the_cores_of_their_machine) {
+TEST_F(MpiRanks, threads_of_all_ranks_are_no_more_than_cores_or_ranks) {
     mpi::Detector detector(MPI_COMM_WORLD, {});
     EXPECT_GE(detector.options().detector.threads, 1);
     int threads = detector.options().detector.threads;

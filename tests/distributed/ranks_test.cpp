@@ -210,7 +210,7 @@ WholeMesh mingled(const WholeMesh& soup, double time, double unit) {
 }
 
 // One of the scenes is so small that squares of displacements underflow to 0.
-TEST(Ranks, triangles_may_move_between_parts) {
+TEST(Ranks, pairs_match_a_single_detector_while_triangles_change_parts) {
     const WholeMesh soup(random_soup<double>(400, 0.15));
     constexpr int frames = 12;
     for (const double unit : {1.0, 1e-170}) {
@@ -307,7 +307,7 @@ TEST(Ranks, progress_shows_each_phase_and_part_once) {
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(Ranks, changed_triangles_groups_owners_and_precision_are_noticed) {
+TEST(Ranks, pairs_match_after_triangles_groups_owners_or_precision_changed) {
     WholeMesh mesh(wavy_sheet<float>(16));
     const auto torn = [&] {
         WholeMesh other = mesh;

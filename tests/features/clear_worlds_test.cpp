@@ -41,7 +41,7 @@ void expect_same_hits(Detector& detector, Detector& brute, const World& world, Q
     ASSERT_EQ(detector.any(world, query), brute.any(world, query));
 }
 
-TEST(ClearWorlds, hit_flags_match_brute_force_though_clear_worlds_are_skipped) {
+TEST(ClearWorlds, hit_flags_of_hit_and_clear_worlds_match_brute_force) {
     Detector detector({.backend = Backend::cpu}), brute({.backend = Backend::reference});
     std::size_t hits = 0, clear = 0;
     for (unsigned seed = 0; seed < 8; ++seed) {
@@ -81,7 +81,7 @@ TEST(ClearWorlds, release_frees_all_memory) {
     EXPECT_EQ(meter.used, before);
 }
 
-TEST(ClearWorlds, bodies_at_exactly_the_distance_are_found) {
+TEST(ClearWorlds, bodies_at_exactly_the_query_distance_count_as_hits) {
     const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
     Shape shape{MeshView(vertices, triangles), 7};

@@ -79,7 +79,7 @@ class CodimensionalFeatures : public testing::TestWithParam<Backend> {
     }
 };
 
-TEST_P(CodimensionalFeatures, particles_are_near_each_other) {
+TEST_P(CodimensionalFeatures, nearby_points_are_reported_as_vertex_vertex_pairs) {
     MovingSoup<> soup = points_on_a_line(4);
     soup.points = {3, 0, 2};
     const Proximities& all = near(soup);
@@ -91,7 +91,7 @@ TEST_P(CodimensionalFeatures, particles_are_near_each_other) {
     EXPECT_EQ(pairs_of(near(soup, {.radius = 1}).vertex_vertices()), (Pairs{{0, 2}}));
 }
 
-TEST_P(CodimensionalFeatures, loose_vertices_without_lists_have_no_pairs) {
+TEST_P(CodimensionalFeatures, vertices_in_no_triangle_edge_or_point_list_have_no_pairs) {
     const MovingSoup<> soup = points_on_a_line(4);
     EXPECT_EQ(near(soup).count, 0);
 }
@@ -102,7 +102,7 @@ TEST_P(CodimensionalFeatures, point_listed_twice_gives_two_rows) {
     EXPECT_EQ(pairs_of(near(soup).vertex_vertices()), (Pairs{{0, 1}, {1, 2}})) << "but not with itself";
 }
 
-TEST_P(CodimensionalFeatures, particles_and_ends_of_rods_pair_with_edges) {
+TEST_P(CodimensionalFeatures, listed_points_and_ends_of_edges_pair_with_other_edges) {
     MovingSoup<> soup = points_on_a_line(5);
     soup.edges = {{1, 0}, {1, 2}};
     const Proximities& two = near(soup);
@@ -139,7 +139,7 @@ TEST_P(CodimensionalFeatures, only_listed_edges_of_a_mesh_have_pairs) {
         << "2 and 3 have an edge, an edge of a face has no pair";
 }
 
-TEST_P(CodimensionalFeatures, lists_of_all_features_of_a_mesh_change_nothing) {
+TEST_P(CodimensionalFeatures, listing_all_edges_and_points_of_a_mesh_in_order_changes_nothing) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 7);
     const Impacts plain = detector_.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
     const Proximities near_plain =
@@ -192,7 +192,7 @@ TEST_P(CodimensionalFeatures, closest_points_are_reported_for_points_and_edges) 
 }
 
 /// Compares distances with squared distances up to rounding only.
-TEST_P(CodimensionalFeatures, least_distances_cover_all_kinds_of_pairs) {
+TEST_P(CodimensionalFeatures, least_distances_are_minima_over_all_kinds_of_pairs) {
     for (unsigned seed = 1; seed < 20; ++seed) {
         const MovingSoup<> soup = with_lists(moving_grid(6, 30, 20, seed), 7 * seed + 1);
         const Proximities& found = near(soup, {.radius = 3.5, .least = true});
@@ -239,7 +239,7 @@ TEST_P(CodimensionalFeatures, free_step_stops_particles_before_they_touch) {
     EXPECT_EQ(detector_.find(soup.view().moving_to(soup.end_view()), FreeStepQuery()).share, 1);
 }
 
-TEST_P(CodimensionalFeatures, invalid_lists_are_rejected) {
+TEST_P(CodimensionalFeatures, invalid_edge_and_point_lists_are_rejected) {
     const auto error = [&](std::vector<Edge> edges, std::vector<std::int32_t> points) {
         MovingSoup<> soup = points_on_a_line(4);
         soup.edges = std::move(edges);
@@ -356,7 +356,7 @@ TEST_P(CodimensionalFeatures, features_are_numbered_within_their_body) {
 }
 
 /// Features that no triangle uses belong to their body, but to no group of triangles.
-TEST_P(CodimensionalFeatures, group_filters_use_groups_of_triangles) {
+TEST_P(CodimensionalFeatures, edges_and_points_have_the_groups_of_their_triangles_or_body) {
     MovingSoup<> mesh;
     for (int i = 0; i < 6; ++i) mesh.vertex({1.0 * (i % 2), 1.0 * (i / 2 % 2), 0.1 * (i / 3)}, {});
     mesh.vertex({0.5, 0.5, 0.5}, {});
@@ -396,7 +396,7 @@ TEST_P(CodimensionalFeatures, group_filters_use_groups_of_triangles) {
     EXPECT_EQ(found.first_point.back(), 3);
 }
 
-TEST_P(CodimensionalFeatures, lists_may_change_from_call_to_call) {
+TEST_P(CodimensionalFeatures, results_follow_edge_and_point_lists_that_change_between_calls) {
     MovingSoup<> soup = points_on_a_line(5);
     soup.points = {0, 1, 2};
     EXPECT_EQ(near(soup).count, 3);

@@ -53,7 +53,7 @@ class FeatureErrors : public testing::TestWithParam<Backend> {
     }
 };
 
-TEST_P(FeatureErrors, end_with_another_number_of_vertices_is_rejected) {
+TEST_P(FeatureErrors, end_positions_of_another_number_of_vertices_are_rejected) {
     VertexView end = soup_.end_view();
     end.rows = 13;
     EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
@@ -62,19 +62,19 @@ TEST_P(FeatureErrors, end_with_another_number_of_vertices_is_rejected) {
     end.rows = 0;
     EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument);
 }
-TEST_P(FeatureErrors, end_may_have_another_precision) {
+TEST_P(FeatureErrors, end_positions_may_be_float32_with_a_float64_start) {
     const auto floats = rounded<float>(soup_);
     const auto doubles = rounded<double>(floats);
     const Impacts expected = detector_.find(soup_.view().moving_to(doubles.end_view()), ImpactQuery());
     EXPECT_TRUE(same_features(detector_.find(soup_.view().moving_to(floats.end_view()), ImpactQuery()), expected));
 }
-TEST_P(FeatureErrors, missing_end_is_rejected) {
+TEST_P(FeatureErrors, missing_end_positions_are_rejected) {
     EXPECT_STREQ(refused(soup_, {}).what(), "the vertices at the end are missing; a query about motion needs them");
     VertexView end = soup_.end_view();
     end.data = nullptr;
     EXPECT_EQ(refused(soup_, end).code, ErrorCode::invalid_argument) << "so many vertices, but no data";
 }
-TEST_P(FeatureErrors, end_that_is_not_finite_is_reported) {
+TEST_P(FeatureErrors, error_names_the_vertex_that_is_not_finite_at_the_end) {
     for (const double value : {nan, inf, -inf}) {
         auto soup = soup_;
         soup.end[11][2] = value;
@@ -89,7 +89,7 @@ TEST_P(FeatureErrors, end_that_is_not_finite_is_reported) {
         EXPECT_STREQ(refused([&] { detector_.find(soup.view(), ProximityQuery()); }).what(), "vertex 12 is not finite");
     }
 }
-TEST_P(FeatureErrors, index_out_of_range_is_reported) {
+TEST_P(FeatureErrors, error_names_the_triangle_with_an_index_out_of_range) {
     auto soup = soup_;
     soup.triangles[4][1] = 14;
     EXPECT_STREQ(refused(soup, soup.end_view()).what(), "triangle 4 names vertex 14 of 14");
@@ -115,7 +115,7 @@ TEST_P(FeatureErrors, mesh_in_the_wrong_memory_is_rejected) {
               ErrorCode::invalid_argument);
     EXPECT_EQ(refused([&] { detector_.find(mesh, ProximityQuery()); }).code, ErrorCode::invalid_argument);
 }
-TEST_P(FeatureErrors, invalid_worlds_are_rejected) {
+TEST_P(FeatureErrors, worlds_with_invalid_poses_or_end_positions_are_rejected) {
     std::vector<Shape> shapes{Shape(soup_.view()), Shape(soup_.view())};
     shapes[1].end = soup_.end_view();
     const std::vector<Body> bodies{{.shape = 0, .self = true}, {.shape = 1, .self = true}};
@@ -213,7 +213,7 @@ TEST(FeatureCalls, stop_requests_are_polled_between_exact_decisions) {
 
 /// Two flat sheets that slide through each other in one plane touch everywhere at the start. The first of these pairs
 /// ends the search for the first impact, and is the first impact of the whole list.
-TEST(FeatureCalls, first_of_many_impacts_at_the_start_is_found) {
+TEST(FeatureCalls, first_of_many_impacts_at_the_start_is_found_without_deciding_all) {
     constexpr std::int32_t n = 8;
     std::vector<std::array<double, 3>> start, end;
     std::vector<std::array<std::int32_t, 3>> triangles;
@@ -313,7 +313,7 @@ TEST(FeatureCalls, results_do_not_depend_on_earlier_calls) {
 
 class FeatureMemory : public testing::TestWithParam<int> {};
 
-TEST_P(FeatureMemory, memory_limit_is_respected) {
+TEST_P(FeatureMemory, limited_call_gives_same_result_or_names_larger_limit) {
     const MovingSoup<> soup = in_general(played ? 400 : 1500, played ? 0.14 : 0.07, played ? 0.12 : 0.06, 6);
     const Options options{.backend = tested_backend, .threads = GetParam(), .leaf_size = 40};
     const std::vector<double> radii(soup.start.size(), 0.005);

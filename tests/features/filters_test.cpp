@@ -181,7 +181,7 @@ TEST(FeatureFilterBatches, pairs_in_a_batch_are_filtered_like_single_pairs) {
             }
 }
 
-TEST(FeatureFilterBatches, each_pair_may_have_its_own_distance) {
+TEST(FeatureFilterBatches, pairs_in_a_batch_are_filtered_by_their_own_distances) {
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : kinds) {
             RandomCases random(Hard::opposite, float32, 109);
@@ -242,7 +242,7 @@ TEST(FeatureFilterRejection, features_separated_by_a_plane_are_rejected) {
             }
 }
 
-TEST(FeatureFilterRejection, features_never_in_one_plane_are_rejected) {
+TEST(FeatureFilterRejection, moving_features_whose_points_are_never_coplanar_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (const double height : {0.01, -0.01}) {
             FeatureCase c = stacked(kind, height);
@@ -255,7 +255,7 @@ TEST(FeatureFilterRejection, features_never_in_one_plane_are_rejected) {
 
 // At one end of the step the vertex is above the centre of the face, and the direction between their centres separates
 // them. At the other end the direction between their centres does not.
-TEST(FeatureFilterRejection, features_separated_by_the_line_of_their_centres_are_rejected) {
+TEST(FeatureFilterRejection, vertex_and_face_apart_along_their_centre_line_are_rejected) {
     const Vec3d n = normal();
     FeatureCase c = stacked(FeatureKind::vertex_face, 0.02);
     c.moments = 2;

@@ -79,7 +79,7 @@ TEST_P(ProximityQueries, least_distance_of_each_feature_is_reported) {
     EXPECT_TRUE(detector.find(two.mesh, ProximityQuery{.radius = 1}).vertex_distance.empty());
 }
 
-TEST_P(ProximityQueries, index_lists_pairs_by_feature) {
+TEST_P(ProximityQueries, index_lists_vertex_face_pairs_by_vertex_and_by_face) {
     const Two two;
     const ProximityList& faces = detector.find(two.mesh, ProximityQuery{.radius = 1.1, .index = true}).vertex_faces();
     const auto list = [](const Array<std::int64_t>& values) {

@@ -183,7 +183,7 @@ TEST_P(InflatedTriangles, near_triangles_with_radii_have_overlapping_balls_and_b
 
 // The square of the motion is flushed to zero, yet the vertex comes within the minimum distance. It moves by 6e-20; the
 // minimum distance is 1 - 2^-53 times the initial distance 5e-4, which is less by 5.6e-20 only.
-TEST(Inflation, motion_whose_square_underflows_is_covered) {
+TEST(Inflation, boxes_still_overlap_if_the_square_of_the_motion_underflows) {
     TriangleCase c{2, {}, {0, 1 - 0x1p-53}};
     const auto at = [](double x, double y, double z) { return MovingPoint{{x, y, z}, {x, y, z}}; };
     c.corner = {at(0, 0, 0),          at(0.25, 0, -0.25),  at(0, 0.25, -0.25),

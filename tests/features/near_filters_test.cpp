@@ -124,7 +124,7 @@ MovingSoup<> strip(std::int32_t quads) {
     return soup;
 }
 
-TEST_P(NearFilters, rings_leave_out_features_few_edges_away) {
+TEST_P(NearFilters, rings_leave_out_features_within_that_many_edges) {
     const MovingSoup<> soup = strip(8);
     // From vertex (0, 0), x edges lead to one face between x and x + 1, and x + 1 edges to the other one.
     for (const std::int32_t rings : {0, 1, 2, 3, 7, 8, 1000}) {

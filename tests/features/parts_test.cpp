@@ -192,7 +192,7 @@ TYPED_TEST(PartsOfFeatures, parts_respect_group_filters) {
     }
 }
 
-TEST(FeaturePart, offsets_and_least_distances_follow_the_lists_of_the_part) {
+TEST(FeaturePart, offsets_and_least_distances_have_a_row_per_vertex_of_the_part) {
     const auto soup = moving_grid(5, 60, 70, 5);
     for (const std::int32_t rings : {0, 1}) {
         const ProximityQuery query{.radius = 1, .least = true, .rings = rings, .index = true};
@@ -224,7 +224,7 @@ TEST(FeaturePart, parts_outlive_the_mesh) {
     expect_union(all, parts, ImpactQuery{}, searching_detector());
 }
 
-TEST(FeaturePart, output_may_be_first_or_any) {
+TEST(FeaturePart, parts_can_be_searched_for_the_first_or_any_impact) {
     const auto soup = moving_grid(6, 40, 30, 3);
     for (const Part& part : partition(soup, ImpactQuery{}, 3)) {
         const Impacts all = searching_detector().find(part, ImpactQuery());
@@ -239,7 +239,7 @@ TEST(FeaturePart, output_may_be_first_or_any) {
 }
 
 /// A query about a part may have smaller distances than the query that the part was made for.
-TEST(FeaturePart, smaller_distances_may_be_queried) {
+TEST(FeaturePart, parts_also_serve_queries_with_smaller_distances) {
     const auto soup = moving_grid(5, 60, 70, 6);
     const auto parts = partition(soup, ImpactQuery{.min_distance = 1, .min_distance_share = 0.3}, 5);
     expect_union(whole(soup, ImpactQuery{.min_distance = 0.25}), parts, ImpactQuery{.min_distance = 0.25},
@@ -256,7 +256,7 @@ std::string message(const Part& part, const ProximityQuery& query) {
     return error_of([&] { searching_detector().find(part, query); }).what();
 }
 
-TEST(FeaturePart, unsuitable_queries_are_rejected) {
+TEST(FeaturePart, queries_that_do_not_match_the_part_are_rejected) {
     const auto soup = moving_grid(5, 30, 20, 6);
     const Part moving = partition(soup, ImpactQuery{.min_distance = 1}, 2)[0];
     const Part static_part = partition(soup, ProximityQuery{.radius = 1, .rings = 1}, 2)[0];

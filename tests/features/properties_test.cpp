@@ -133,7 +133,7 @@ TEST_P(FeatureProperties, swapping_or_mirroring_axes_does_not_matter) {
     }
 }
 
-TEST_P(FeatureProperties, scale_does_not_matter) {
+TEST_P(FeatureProperties, scaling_by_powers_of_two_does_not_matter) {
     for (const MovingSoup<>& soup : soups())
         for (const int exponent : {-900, -400, -20, 30, 400, 1000}) {
             const double scale = std::ldexp(1, exponent);
@@ -149,7 +149,7 @@ TEST_P(FeatureProperties, scale_does_not_matter) {
         }
 }
 
-TEST_P(FeatureProperties, translation_does_not_matter) {
+TEST_P(FeatureProperties, exact_translations_and_common_motions_do_not_matter) {
     for (const MovingSoup<>& soup : soups()) {
         if (soup.start[0][0] != std::floor(soup.start[0][0])) continue;  // sums of integers are exact
         const PointOf<double> by{draw_.integer(-1000, 1000) * 0x1p40, draw_.integer(-1000, 1000) * 0x1p10,
@@ -167,7 +167,7 @@ TEST_P(FeatureProperties, translation_does_not_matter) {
     }
 }
 
-TEST_P(FeatureProperties, reversed_motion_has_the_same_impacts) {
+TEST_P(FeatureProperties, reversed_motion_has_impacts_of_the_same_features) {
     for (const MovingSoup<>& soup : soups()) {
         MovingSoup<> back = soup;
         std::swap(back.start, back.end);
@@ -175,7 +175,7 @@ TEST_P(FeatureProperties, reversed_motion_has_the_same_impacts) {
     }
 }
 
-TEST_P(FeatureProperties, static_contacts_have_distance_zero) {
+TEST_P(FeatureProperties, static_contacts_are_the_impacts_at_the_start) {
     for (MovingSoup<> soup : soups()) {
         const Hits from_start = impacts(soup);
         soup.end = soup.start;
@@ -194,7 +194,7 @@ TEST_P(FeatureProperties, static_contacts_have_distance_zero) {
     }
 }
 
-TEST_P(FeatureProperties, larger_radius_finds_more) {
+TEST_P(FeatureProperties, smaller_radius_gives_the_nearer_pairs_of_a_larger_one) {
     for (const MovingSoup<>& soup : soups())
         for (const double radius : {0.25, 1.0}) {
             const Hits hits = near(soup, {.radius = radius}), more = near(soup, {.radius = 1.5 * radius});

@@ -81,7 +81,7 @@ TEST(SceneFeatures, features_match_a_plain_listing) {
         << "all memory is given back";
 }
 
-TEST(SceneFeatures, features_follow_changed_triangles) {
+TEST(SceneFeatures, features_match_a_plain_listing_after_triangles_changed) {
     MemoryMeter meter;
     SceneBuffers buffers(&meter);
     SceneFeatures features(&meter);

@@ -139,7 +139,7 @@ TEST(TrianglesApart, triangles_too_close_at_a_common_corner_are_not_dropped) {
 }
 
 // During the step the second triangle turns about the common corner to the place of the first one.
-TEST(TrianglesApart, triangles_turning_about_a_common_corner_are_not_dropped) {
+TEST(TrianglesApart, triangles_that_meet_by_turning_about_a_common_corner_are_kept) {
     TriangleCase c = fan(150, 210, {}, 0);
     const TriangleCase end = fan(30, 90, {}, 0);
     for (std::size_t k = 3; k < 6; ++k) c.corner[k].end = end.corner[k].end;
@@ -241,7 +241,7 @@ TEST(TrianglesApart, triangles_separated_by_a_start_or_end_direction_are_dropped
     EXPECT_EQ(dropping(c, false, around({})), feature_tables().size());
 }
 
-TEST(TrianglesApart, most_triangles_apart_are_dropped) {
+TEST(TrianglesApart, more_than_half_of_separate_random_triangles_are_dropped) {
     for (const int moments : {1, 2}) {
         RandomTriangles random(Hard::random, true, 97);
         std::size_t apart = 0, dropped = 0;

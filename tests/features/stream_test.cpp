@@ -309,7 +309,7 @@ TEST(StreamOfFeatures, stream_fits_a_limit_too_small_for_the_whole_result) {
 }
 
 // A worker moves its rows into a block before it continues the search, so only few rows are in memory at any time.
-TEST(StreamOfFeatures, peak_memory_is_far_below_that_of_the_whole_result) {
+TEST(StreamOfFeatures, candidate_blocks_need_under_a_quarter_of_the_memory_of_a_list) {
     const MovingSoup<> soup = in_general(1500, 0.5, 0.3, 7);
     Detector find({.threads = 1}), stream({.threads = 1});
     const std::int64_t whole =

@@ -61,7 +61,7 @@ TYPED_TEST(TrianglePairsOfAStep, triangle_pairs_within_a_distance_match_their_de
     }
 }
 
-TYPED_TEST(TrianglePairsOfAStep, triangle_pairs_of_listed_features_match_their_definition) {
+TYPED_TEST(TrianglePairsOfAStep, triangle_pairs_with_codimensional_features_match_definition) {
     for (unsigned seed = 0; seed < 12; ++seed) {
         SCOPED_TRACE(seed);
         this->compare(with_lists(rounded<TypeParam>(moving_grid(4, 24, 20, 100 + seed)), seed), {});
@@ -82,7 +82,7 @@ MovingSoup<> blade_in_a_plate(double x) {
     return soup;
 }
 
-TEST(TrianglePairs, stuck_triangles_are_found_as_triangle_pairs_only) {
+TEST(TrianglePairs, intersecting_triangles_without_impacts_are_triangle_pairs_only) {
     const MovingSoup<> soup = blade_in_a_plate(0.25);
     for (const Backend backend : {Backend::reference, Backend::cpu}) {
         Detector detector({.backend = backend});
@@ -98,7 +98,7 @@ TEST(TrianglePairs, stuck_triangles_are_found_as_triangle_pairs_only) {
     }
 }
 
-TEST(TrianglePairs, free_step_ends_at_contact_if_nothing_is_stuck) {
+TEST(TrianglePairs, free_step_ends_before_contact_of_triangles_apart_at_the_start) {
     MovingSoup<> soup = blade_in_a_plate(0);
     for (std::size_t v = 3; v < 6; ++v) soup.start[v][2] += 2;
     Detector detector({.backend = Backend::cpu});
@@ -124,7 +124,7 @@ TEST(TrianglePairs, triangle_pairs_are_listed_on_request_only) {
     EXPECT_TRUE(first.triangle_pairs.pairs.empty());
 }
 
-TEST(TrianglePairs, memory_limit_is_respected) {
+TEST(TrianglePairs, limited_call_gives_same_result_or_names_larger_limit) {
     const MovingSoup<> soup = in_general(1200, 0.12, 0.05, 6);
     const ImpactQuery query{.triangle_pairs = true};
     Detector free({.backend = Backend::cpu, .threads = 2, .leaf_size = 40});

@@ -76,7 +76,7 @@ TEST_F(RingsOfVertices, rings_match_a_walk_along_edges) {
             }
 }
 
-TEST_F(RingsOfVertices, rings_survive_motion_but_not_changed_triangles) {
+TEST_F(RingsOfVertices, rings_are_reused_after_motion_and_recomputed_for_new_triangles) {
     MovingSoup<> soup = moving_grid(4, 30, 20, 31);
     prepare(soup, 2);
     EXPECT_TRUE(recomputed);
@@ -103,7 +103,7 @@ TEST_F(RingsOfVertices, rings_survive_motion_but_not_changed_triangles) {
     expect_rings(soup, 3);
 }
 
-TEST_F(RingsOfVertices, incomplete_rings_are_discarded_and_memory_is_metered) {
+TEST_F(RingsOfVertices, rings_are_complete_after_a_memory_error_and_release_frees_them) {
     const MovingSoup<> few = moving_grid(4, 30, 20, 31), many = moving_grid(4, 3000, 2000, 32);
     expect_rings(few, 2);
     prepare(many, 1);

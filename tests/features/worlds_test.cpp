@@ -434,7 +434,7 @@ TEST(FeaturesOfWorlds, static_worlds_have_impacts_at_the_start_only) {
 
 /// With a filter about groups, the search internally turns the mesh into a world. The result must still be that of a
 /// mesh.
-TEST(FeaturesOfOneMesh, results_with_group_filters_are_still_those_of_a_mesh) {
+TEST(FeaturesOfOneMesh, results_with_group_filters_have_offsets_and_no_bodies) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 5);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));
     Detector detector({.backend = tested_backend}), plain({.backend = Backend::cpu});

@@ -204,7 +204,7 @@ __global__ void digest_all(const Tree* tree, const TrianglePair* pairs, int coun
     if (i < count) digests[i] = tree->digest(pairs[i].a);
 }
 
-TEST_F(Device, parts_of_triangles_match_the_host) {
+TEST_F(Device, assignment_of_triangles_to_parts_matches_the_host) {
     RandomPairs random(Kind::random_float, 11);
     const std::vector<Tree> tree{Tree(random)};
     std::vector<TrianglePair> pairs;

@@ -93,7 +93,7 @@ TEST(Predicates, positive_sign_means_counterclockwise) {
     EXPECT_EQ(FilteredPlane({o, x, y}).side(z), 1);
 }
 
-TEST(Predicates, every_finite_float32_is_in_expansion_range) {
+TEST(Predicates, float32_limits_are_in_expansion_range_but_float64_limits_are_not) {
     EXPECT_TRUE(in_expansion_range(0.0));
     EXPECT_TRUE(in_expansion_range(static_cast<double>(std::numeric_limits<float>::denorm_min())));
     EXPECT_TRUE(in_expansion_range(static_cast<double>(std::numeric_limits<float>::lowest())));
@@ -128,7 +128,7 @@ TEST(Predicates, expansions_are_exact_at_the_edges_of_their_range) {
 }
 
 // Uses integers of up to 44 bits times a power of two, and nearly coplanar points: up to 40 bits must be decided.
-TEST(Predicates, scaled_integers_are_decided_by_integer_arithmetic) {
+TEST(Predicates, scaled_integers_below_40_bits_are_decided_in_integers) {
     std::mt19937_64 engine(6);
     for (const int bits : {3, 20, 40, 42, 44})
         for (const int exponent : {-290, -20, 0, 250})

@@ -35,7 +35,7 @@ TEST(ApproachingOnly, leaves_out_features_that_do_not_approach) {
               none);  // starts at a right angle to the direction of the other vertex
 }
 
-TEST(ApproachingOnly, finds_features_that_approach_from_the_start_on) {
+TEST(ApproachingOnly, reports_features_that_approach_from_the_start_at_time_zero) {
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, 0.5}), at_once);
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, std::nextafter(1., 0.)}), at_once);
     EXPECT_EQ(to_face({1, 1, 1}, {1, 1, -9}), at_once);
@@ -43,7 +43,7 @@ TEST(ApproachingOnly, finds_features_that_approach_from_the_start_on) {
     EXPECT_EQ(vertex_vertex(still(0, 0, 0), {{1, 1, 0}, {1, -1, 0}}, within_two), at_once);
 }
 
-TEST(ApproachingOnly, finds_features_that_return_to_their_initial_distance) {
+TEST(ApproachingOnly, reports_features_when_they_return_to_their_initial_distance) {
     // The near end of the edge moves away; then the rest of the edge sweeps through the vertex. At time t the edge is
     // at height (1 + 8 t) - (9 t) s over x = (8 - 16 t) s, for s in [0, 1].
     const MovingPoint vertex = still(0, 0, 0), near{{0, 1, 0}, {0, 9, 0}}, far{{8, 1, 0}, {-8, 0, 0}};
@@ -59,7 +59,7 @@ TEST(ApproachingOnly, finds_features_that_return_to_their_initial_distance) {
     EXPECT_EQ(vertex_edge(vertex, near, far, {.distance = 1, .approaching_only = true}), back);
 }
 
-TEST(ApproachingOnly, reports_the_exact_time_of_return) {
+TEST(ApproachingOnly, time_of_return_to_the_initial_distance_is_exact) {
     // The near end of the edge leaves sideways. The far end, at x = 16 t - 9, is at the near end's initial place at t =
     // 1/2.
     const MovingPoint near{{-1, 0, 0}, {-1, 0, 100}}, far{{-9, 0, 0}, {7, 0, 0}};
@@ -67,7 +67,7 @@ TEST(ApproachingOnly, reports_the_exact_time_of_return) {
     EXPECT_EQ(vertex_edge(still(0, 0, 0), near, {{-9, 0, 0}, {-1, 0, 0}}, within_two), none);
 }
 
-TEST(ApproachingOnly, decides_by_the_second_derivative_where_the_first_is_zero) {
+TEST(ApproachingOnly, decides_by_second_derivative_of_distance_if_the_first_is_zero) {
     // An edge that turns towards the vertex about its nearest point, and edges that slide or turn without approaching.
     const MovingPoint vertex = still(0, 0, 1);
     EXPECT_EQ(vertex_edge(vertex, {{-4, 0, 0}, {-4, 0, 2}}, {{4, 0, 0}, {4, 0, -2}}, within_two), at_once);
@@ -85,7 +85,7 @@ TEST(ApproachingOnly, leaves_out_features_that_touch_at_the_start) {
     EXPECT_EQ(to_face({1, 1, 0}, {1, 1, -1}, {.share = 0.5, .approaching_only = true}), none);
 }
 
-TEST(ApproachingOnly, decides_parallel_edges_by_the_ends_that_approach) {
+TEST(ApproachingOnly, parallel_edges_are_reported_if_one_end_approaches) {
     const MovingPoint a = still(0, 0, 0), b = still(4, 0, 0);
     EXPECT_EQ(edge_edge(a, b, {{0, 0, 1}, {0, 0, 2}}, {{4, 0, 1}, {4, 0, 0.5}}, within_two), at_once);
     EXPECT_EQ(edge_edge(a, b, {{0, 0, 1}, {0, 0, 2}}, {{4, 0, 1}, {4, 0, 1}}, within_two), none);
@@ -128,7 +128,7 @@ void check(const Move& move, Tally& tally) {
 
 class ApproachingFilter : public testing::TestWithParam<Feature> {};
 
-TEST_P(ApproachingFilter, agrees_with_rational_arithmetic) {
+TEST_P(ApproachingFilter, certain_verdicts_agree_with_rational_arithmetic) {
     Tally tally;
     for (const Lattice lattice : all_lattices) {
         RandomMoves random(lattice, 47);

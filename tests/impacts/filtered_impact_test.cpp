@@ -50,7 +50,7 @@ void change_coordinates(Move& move, Change change) {
     }
 }
 
-TEST(FilteredImpact, is_right_for_degenerate_moves) {
+TEST(FilteredImpact, is_right_or_undecided_for_degenerate_moves) {
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
             RandomMoves random(lattice, 23);
@@ -65,7 +65,7 @@ TEST(FilteredImpact, is_right_for_degenerate_moves) {
     }
 }
 
-TEST(FilteredImpact, is_right_within_a_few_ulps_of_contact) {
+TEST(FilteredImpact, is_right_or_undecided_within_a_few_ulps_of_contact) {
     // In most moves with small integers the features touch on the border of one of them, at the start or the end, or
     // for an instant only, or nearly do so.
     for (const Feature feature : quick_features) {
@@ -88,7 +88,7 @@ TEST(FilteredImpact, is_right_within_a_few_ulps_of_contact) {
     }
 }
 
-TEST(FilteredImpact, is_right_where_it_underflows_or_overflows) {
+TEST(FilteredImpact, is_right_or_undecided_where_products_underflow_or_overflow) {
     for (const Feature feature : quick_features) {
         for (const Lattice lattice : all_lattices) {
             for (const int exponent : {-1074, -1070, -1000, -520, -345, -340, -330, -320, -300, 290, 299, 301, 1015}) {
@@ -105,7 +105,7 @@ TEST(FilteredImpact, is_right_where_it_underflows_or_overflows) {
     }
 }
 
-TEST(FilteredImpact, is_right_for_mixed_magnitudes) {
+TEST(FilteredImpact, is_right_or_undecided_for_mixed_magnitudes) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 37);
         Tally tally;
@@ -119,7 +119,7 @@ TEST(FilteredImpact, is_right_for_mixed_magnitudes) {
     }
 }
 
-TEST(FilteredImpact, is_right_for_volumes_with_nearly_double_roots) {
+TEST(FilteredImpact, is_right_or_undecided_for_volumes_with_nearly_double_roots) {
     // The volume (the determinant of the four points) is 0 when the vertex is in the plane of the face, and also when
     // the face collapses to a segment. Here these two times may be equal or close to each other.
     RandomMoves random(Lattice::wide, 41);
@@ -147,7 +147,7 @@ double with_bits(RandomMoves& random, int bits) {
     return random.below(8) - 4 + std::ldexp(random.below(1 << 15), -15) + std::ldexp(random.below(1 << 15), -bits);
 }
 
-TEST(FilteredImpact, is_right_where_a_root_is_a_float64_number) {
+TEST(FilteredImpact, is_right_or_undecided_where_a_root_is_a_float64_number) {
     // At t = 1/2 the vertex is in the face, or on an edge of it. Products of three coordinates have more bits than a
     // double word.
     RandomMoves random(Lattice::tiny, 61);
@@ -194,7 +194,7 @@ TEST(FilteredImpact, rounds_down_roots_next_to_float64_numbers) {
     EXPECT_GT(tally.unknown, 0) << "not at the edge";
 }
 
-TEST(FilteredImpact, is_right_within_rounding_errors_of_a_border) {
+TEST(FilteredImpact, is_right_or_undecided_within_rounding_errors_of_a_border) {
     // Contact at a random time t on the border of a feature, or at a corner, as nearly as rounding allows; in most
     // rounds a random, often tiny distance beside the border.
     RandomMoves random(Lattice::tiny, 89);
@@ -232,7 +232,7 @@ TEST(FilteredImpact, is_right_within_rounding_errors_of_a_border) {
     }
 }
 
-TEST(FilteredImpact, is_right_for_collinear_edges) {
+TEST(FilteredImpact, is_right_or_undecided_for_collinear_edges) {
     // At t = 5/16 the edges are on one line, and an end of one is at an end of the other.
     RandomMoves random(Lattice::tiny, 71);
     Tally tally;
@@ -251,7 +251,7 @@ TEST(FilteredImpact, is_right_for_collinear_edges) {
     }
 }
 
-TEST(FilteredImpact, decides_border_impacts_in_axis_aligned_planes) {
+TEST(FilteredImpact, decides_most_moves_with_three_points_in_an_axis_aligned_plane) {
     // Three points stay in an axis-aligned plane, exactly or nearly, so that the features can only meet on one line.
     for (const bool exact : {true, false}) {
         for (const Feature feature : quick_features) {
@@ -282,7 +282,7 @@ TEST(FilteredImpact, decides_border_impacts_in_axis_aligned_planes) {
     }
 }
 
-TEST(FilteredImpact, recognises_coincident_vertices_at_the_start) {
+TEST(FilteredImpact, coincident_vertices_are_an_impact_at_the_start) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 43);
         for (int i = 0; i < 12; ++i) {
@@ -298,7 +298,7 @@ TEST(FilteredImpact, recognises_coincident_vertices_at_the_start) {
     }
 }
 
-TEST(FilteredImpact, separates_features_that_slide_in_one_plane) {
+TEST(FilteredImpact, features_that_slide_side_by_side_in_one_plane_are_apart) {
     // A point beside a face in the same plane; all points slide in the plane.
     const auto slide = [](double x, double y) { return MovingPoint{{x, y, 0.3}, {x + 0.1, y - 0.7, 0.3}}; };
     const Move beside{Feature::vertex_face, {slide(1.1, 1.2), slide(0, 0), slide(2, 0), slide(0.1, 2)}};
@@ -323,7 +323,7 @@ TEST(FilteredImpact, is_undecided_for_nan_and_infinity) {
     }
 }
 
-TEST(DecidedImpact, contact_at_the_start_is_decided_by_predicates) {
+TEST(DecidedImpact, contact_at_the_start_is_decided_mostly_without_rationals) {
     for (const Feature feature : quick_features) {
         RandomMoves random(Lattice::wide, 73);
         ImpactCounts counts;

@@ -13,7 +13,7 @@ namespace {
 using Vertices = std::vector<std::array<double, 3>>;
 using Triangles = std::vector<std::array<std::int32_t, 3>>;
 
-// A triangle that falls through another one.
+// A triangle whose lowest corner falls through another triangle; its other corners stay above.
 struct Falling {
     Vertices start{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 1}, {2, 1, 2}, {1, 2, 2}};
     Vertices end{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {2, 1, 0.5}, {1, 2, 0.5}};
@@ -33,7 +33,7 @@ class ImpactQueries : public testing::TestWithParam<Backend> {
     }()};
 };
 
-TEST_P(ImpactQueries, vertex_face_and_time_are_reported) {
+TEST_P(ImpactQueries, vertex_face_pair_and_time_of_impact_are_reported) {
     const Falling scene;
     const Impacts& impacts =
         detector.find((MeshView(scene.start, scene.triangles)).moving_to(view(scene.end)), ImpactQuery());
@@ -71,7 +71,7 @@ TEST_P(ImpactQueries, free_step_ends_before_the_first_contact) {
     EXPECT_EQ(whole.positions[3 * 3 + 2], 1);
 }
 
-TEST_P(ImpactQueries, free_step_is_zero_if_the_start_touches) {
+TEST_P(ImpactQueries, free_step_is_zero_if_features_touch_at_the_start) {
     Falling scene;
     scene.start[3] = {1, 1, 0};
     const FreeStep step =

@@ -120,7 +120,7 @@ TEST(Impact, half_of_the_move_doubles_the_time_of_impact) {
     });
 }
 
-TEST(Impact, agrees_with_smaller_and_degenerate_features) {
+TEST(Impact, collapsed_features_act_like_smaller_ones_and_parts_meet_no_earlier) {
     for_moves(19, [](const Move& move, const Impact& impact) {
         const auto& [p, q, r, s] = move.point;
         if (move.feature == Feature::vertex_edge) {
@@ -161,7 +161,7 @@ bool touch(const Move& move, Vec3d MovingPoint::*at) {
     return intersect_rationally(a, b).collides;
 }
 
-TEST(Impact, start_is_flagged_iff_the_features_touch) {
+TEST(Impact, start_flag_is_set_iff_features_touch_at_the_start) {
     for_moves(23, [](const Move& move, const Impact& impact) {
         ASSERT_EQ(impact.start, touch(move, &MovingPoint::start)) << move;
         ASSERT_TRUE(!impact.start || impact.toi == 0) << move;
@@ -180,7 +180,7 @@ TEST(Impact, static_features_have_an_impact_iff_they_touch) {
 
 // Gives each coordinate its own magnitude, from nearly the whole range of float64. Impacts are not rare, since many
 // coordinates are 0.
-TEST(Impact, keeps_its_symmetries_for_any_magnitudes) {
+TEST(Impact, mixed_magnitudes_keep_impacts_when_reordered_or_reversed) {
     for (const Feature feature : {Feature::vertex_face, Feature::edge_edge}) {
         RandomMoves random(Lattice::tiny, 37);
         int hits = 0;

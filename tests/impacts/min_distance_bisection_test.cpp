@@ -196,7 +196,7 @@ TEST_P(MinDistanceBisection, times_of_impact_that_are_fractions_are_exact) {
     EXPECT_GT(exact, 10);
 }
 
-TEST_P(MinDistanceBisection, approaching_only_finds_features_nearer_than_at_the_start) {
+TEST_P(MinDistanceBisection, approaching_only_reports_when_features_get_nearer_than_at_start) {
     constexpr int largest = 8;
     int hits = 0, later = 0, all = 0;
     for (const Lattice lattice : all_lattices) {

@@ -146,7 +146,7 @@ TEST(MinDistance, half_of_the_move_doubles_the_time_of_impact) {
     });
 }
 
-TEST(MinDistance, reversed_move_reaches_the_same_min_distance) {
+TEST(MinDistance, reversed_move_reaches_the_min_distance_iff_the_move_does) {
     for_separated(29, [](const MinDistanceMove& query, const Impact&) {
         MinDistanceMove forward = query, back = query;
         forward.separation.share = back.separation.share = 0;  // a share refers to the distance at the start

@@ -195,7 +195,7 @@ TEST(MinDistanceShare, larger_of_distance_and_share_counts) {
     EXPECT_EQ(both(8, 0.5), at_start);
 }
 
-TEST(RationalMinDistance, handles_the_whole_range_of_float64) {
+TEST(RationalMinDistance, is_right_at_the_limits_of_float64) {
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 1}, within(large)), at_start);
     EXPECT_EQ(to_face({1, 1, 4}, {1, 1, 0}, within(least)), at(1 - 0x1p-53));
     EXPECT_EQ(vertex_vertex(move({large, 0, 0}, {-large, 0, 0}), still(-large, 0, 0), within(large)), at(0.5));

@@ -201,7 +201,7 @@ TEST(EdgeEdgeImpact, interpenetration_is_no_impact) {
     EXPECT_EQ(vertex_face(below, origin, right, up), none);
 }
 
-TEST(VertexEdgeImpact, vertex_meets_the_inside_and_the_ends) {
+TEST(VertexEdgeImpact, vertex_meets_inside_and_ends_at_the_exact_time) {
     EXPECT_EQ(vertex_edge(move({1, 1, 1}, {1, -2, -2}), origin, right), at(third));
     EXPECT_EQ(vertex_edge(move({0, 1, 1}, {0, -2, -2}), origin, right), at(third));
     EXPECT_EQ(vertex_edge(move({5, 1, 1}, {5, -2, -2}), origin, right), none);
@@ -231,7 +231,7 @@ TEST(VertexVertexImpact, vertices_meet_when_all_coordinates_are_equal) {
     EXPECT_EQ(vertex_vertex(still(0.0, 1, 2), still(-0.0, 1, 2)), at_start);
 }
 
-TEST(RationalImpact, handles_the_whole_range_of_float64) {
+TEST(RationalImpact, is_right_at_the_limits_of_float64) {
     constexpr double large = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::denorm_min();
     // From -max to max, which is further than any float64 number.
     EXPECT_EQ(vertex_face(move({0, 0, large}, {0, 0, -large}), still(-large, -large, 0), still(large, -large, 0),

@@ -59,7 +59,7 @@ TEST(Roots, roots_are_found_once_and_in_order) {
     EXPECT_EQ(rounded_roots(p * zero_at(-1, 3) * zero_at(4, 3) * polynomial({1, 0, 1})), rounded_roots(p));
 }
 
-TEST(Roots, roots_outside_the_interval_are_not_found) {
+TEST(Roots, complex_roots_and_roots_outside_zero_to_one_are_left_out) {
     EXPECT_TRUE(rounded_roots(polynomial({5})).empty());
     EXPECT_TRUE(rounded_roots(zero_at(-1, power(200))).empty());
     EXPECT_TRUE(rounded_roots(zero_at(power(200) + 1, power(200))).empty());

@@ -47,7 +47,7 @@ Row read_row(const std::string& line) {
     return {{number(0), number(1), number(2)}, cell[6] == "1"};
 }
 
-TEST(SampleQueries, are_all_decided_correctly) {
+TEST(SampleQueries, samples_of_the_ccd_benchmark_are_all_decided_correctly) {
     const auto folder = io::test::data_folder();
     if (!folder || !fs::exists(*folder / "ccd-sample-queries")) GTEST_SKIP() << "no queries: set CRUMPLE_DATA";
     int queries = 0, hits = 0;

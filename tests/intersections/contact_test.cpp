@@ -49,7 +49,7 @@ TEST_P(ContactOfEachKind, matches_rational_arithmetic_byte_by_byte) {
 
 INSTANTIATE_TEST_SUITE_P(All, ContactOfEachKind, testing::ValuesIn(all_kinds));
 
-TEST(Contact, matches_the_contract_for_named_pairs) {
+TEST(Contact, handmade_pairs_have_the_expected_points) {
     for (const NamedPair& named : named_pairs()) {
         SCOPED_TRACE(named.claim);
         EXPECT_EQ(points_of(contact(named.pair.a, named.pair.b)), named.points);
@@ -90,7 +90,7 @@ TEST(Contact, needs_rationals_for_areas_but_not_for_segments) {
 
 // Uses extruded shapes: the common line runs along an axis, so two coordinates of its ends are exactly equal, and only
 // the third one orders them.
-TEST(Contact, orders_the_ends_of_lines_along_an_axis) {
+TEST(Contact, segments_parallel_to_an_axis_match_rational_arithmetic) {
     RandomPairs random(Kind::random, 43);
     for (int i = 0; i < 6'000; ++i) {
         const int axis = i % 3;
@@ -156,7 +156,7 @@ struct Torus {
     MeshView view() const { return {vertices, triangles}; }
 };
 
-TEST(Contact, segments_of_adjacent_pairs_have_bitwise_equal_ends) {
+TEST(Contact, segments_of_adjacent_triangles_share_bitwise_equal_ends) {
     for (const double shift : {0.0, 1e-9, 1000.0}) {
         const Torus a(40, 24, {shift, 0, 0}), b(37, 19, {shift + 0.77, 0.13, 0.21});
         Detector detector({.backend = Backend::cpu});

@@ -95,7 +95,7 @@ TEST_P(DecisionOfEachKind, filters_alone_are_right_or_undecided) {
 
 INSTANTIATE_TEST_SUITE_P(All, DecisionOfEachKind, testing::ValuesIn(all_kinds));
 
-TEST(Decision, matches_the_contract_for_named_pairs) {
+TEST(Decision, handmade_pairs_are_decided_as_expected) {
     for (const NamedPair& named : named_pairs()) {
         SCOPED_TRACE(named.claim);
         DecisionCounts counts;
@@ -107,7 +107,7 @@ TEST(Decision, matches_the_contract_for_named_pairs) {
 }
 
 // Tries every pattern of vertex ids: each corner of b is a corner of a or its own, and a may repeat a corner.
-TEST(Decision, handles_every_pattern_of_shared_vertices) {
+TEST(Decision, agrees_with_rationals_for_every_pattern_of_shared_vertices) {
     for (const Kind kind : {Kind::lattice, Kind::flat, Kind::random_float}) {
         RandomPairs random(kind, 31);
         for (int round = 0; round < 20; ++round) {
@@ -150,7 +150,7 @@ std::vector<Triangle> flat_cloth(double slope_x, double slope_y) {
     return cloth;
 }
 
-TEST(Decision, flat_adjacent_triangles_need_no_exact_arithmetic) {
+TEST(Decision, triangles_of_a_flat_cloth_need_no_exact_arithmetic) {
     for (const auto& cloth : {flat_cloth(0, 0), flat_cloth(0.37, 0.21), flat_cloth(1, 2)}) {
         for (std::size_t i = 0; i < cloth.size(); ++i) {
             for (std::size_t j = i + 1; j < cloth.size(); ++j) {
@@ -180,7 +180,7 @@ TEST(Decision, counts_exact_and_rational_decisions) {
 }
 
 #if defined(__SSE2__)
-TEST(Decision, is_right_in_any_floating_point_mode_of_the_caller) {
+TEST(Decision, is_right_in_other_floating_point_modes_and_restores_them) {
     const unsigned saved = _mm_getcsr();
     RandomPairs random(Kind::tiny, 37);
     for (int i = 0; i < 400; ++i) {

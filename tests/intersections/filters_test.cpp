@@ -161,14 +161,14 @@ void expect_true_turns(double scale) {
     EXPECT_GT(certain, rounds / 4);
 }
 
-TEST(FiltersAtTheirEdge, turn_signs_are_right_next_to_lines) {
+TEST(FiltersAtTheirEdge, turn_signs_are_right_or_undecided_next_to_lines) {
     for (const double scale : {1.0, 0x1p-20}) {
         expect_true_turns<float>(scale);
         expect_true_turns<double>(scale);
     }
 }
 
-TEST(FiltersAtTheirEdge, float64_sides_of_planes_are_right) {
+TEST(FiltersAtTheirEdge, float64_sides_of_planes_are_right_or_undecided) {
     RandomPairs random(Kind::flat, 71);
     int certain = 0;
     constexpr int rounds = 20'000;
@@ -186,7 +186,7 @@ TEST(FiltersAtTheirEdge, float64_sides_of_planes_are_right) {
     EXPECT_GT(certain, rounds / 16);
 }
 
-TEST(EdgeOrder, puts_lone_corners_first_and_orients_the_others) {
+TEST(EdgeOrder, puts_corners_alone_on_their_side_first_and_orients_the_others) {
     for (int below_a = 1; below_a < 7; ++below_a) {
         for (int below_b = 1; below_b < 7; ++below_b) {
             const int order = edge_order(below_a, below_b);

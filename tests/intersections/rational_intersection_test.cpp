@@ -11,7 +11,7 @@ namespace {
 
 std::vector<Vec3d> points_of(const Contact& c) { return {c.points.begin(), c.points.begin() + c.count}; }
 
-TEST(RationalIntersection, matches_the_contract_for_named_pairs) {
+TEST(RationalIntersection, handmade_pairs_intersect_as_expected) {
     for (const NamedPair& named : named_pairs()) {
         SCOPED_TRACE(testing::Message() << named.claim << ": " << named.pair);
         const RationalIntersection found = intersect_rationally(named.pair.a, named.pair.b);
@@ -124,7 +124,7 @@ TEST(RoundedQuotient, zero_is_positive) {
     EXPECT_FALSE(std::signbit(round_quotient(-1, 7, -1'074)));
 }
 
-TEST(LinePlaneCrossing, crossing_is_where_the_line_meets_the_plane) {
+TEST(LinePlaneCrossing, crossing_is_the_rounded_common_point_of_line_and_plane) {
     const std::array<Vec3d, 3> plane{Vec3d{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
     EXPECT_EQ(round_crossing({1, 2, 0}, {1, 2, 3}, plane), (Vec3d{1, 2, 1}));
     EXPECT_EQ(round_crossing({0, 0, 0}, {3, 3, 3}, plane), (Vec3d{1, 1, 1}));

@@ -68,7 +68,7 @@ TEST(ThreeMf, file_is_recognised_by_its_content) {
     EXPECT_EQ(read_mesh(again, "standard input").triangle_count(), 12);
 }
 
-TEST(ThreeMf, coordinates_are_rounded_once) {
+TEST(ThreeMf, decimal_coordinates_are_rounded_to_the_nearest_number) {
     const std::string children = R"(<resources><object id="7"><mesh>
 <vertices><vertex x=" 0.1 " y="+1e-400" z="-0"/><vertex x="0.1000000000000000055511151231257827" y="1E2" z=".5"/>
 <vertex x="1" y="2" z="3"/></vertices><triangles><triangle v1="0" v2="1" v3="2" pid="9" p1="0"/></triangles>
@@ -95,7 +95,7 @@ TEST(ThreeMf, vertices_are_welded_only_on_request) {
     EXPECT_EQ(read_bytes(file_3mf(model_around(twice)), "a.3mf", {.weld = Weld::yes}).vertex_count(), 3);
 }
 
-TEST(ThreeMf, production_extension_reads_other_parts) {
+TEST(ThreeMf, components_can_name_objects_of_other_parts) {
     const std::string root = model_around(R"(<resources><object id="1" name="both"><components>
  <component p:path="/3D/Objects/a.model" objectid="1"/><component p:path="/3d/objects/A.model" objectid="2"/>
 </components></object></resources><build p:UUID="x"><item objectid="1" p:UUID="y"/></build>)",
@@ -124,7 +124,7 @@ TEST(ThreeMf, objects_outside_the_build_are_skipped_with_a_warning) {
     EXPECT_EQ(read_model("<resources/><build/>").warnings.size(), 1u);
 }
 
-TEST(ThreeMf, extensions_are_skipped_unless_required) {
+TEST(ThreeMf, unsupported_extensions_are_skipped_but_refused_if_required) {
     const std::string extra = R"(xmlns:b="http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02" )";
     std::string children = assembly;
     children.insert(children.find("</mesh>"),

@@ -117,7 +117,7 @@ TEST(CandidateLists, inconsistent_lists_are_refused) {
     }
 }
 
-TEST(CandidateLists, features_can_be_named_in_any_order) {
+TEST(CandidateLists, edges_and_pairs_of_one_kind_read_the_same_in_either_order) {
     const Folder folder;
     const auto rows = [&](const std::string& text) { return read_candidates(folder.write("a.txt", text)).rows; };
     const auto expected = rows("ee 0 7 2 9\nef 2 9 3\nff 4 5\nve 8 0 7\nvv 3 4\n");

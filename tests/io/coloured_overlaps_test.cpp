@@ -91,7 +91,7 @@ TEST(ColouredOverlaps, touching_faces_are_coloured_where_they_touch) {
     EXPECT_NEAR(area_of(bodies.ply()), 2 * 1, 1e-12) << "of each body";
 }
 
-TEST(ColouredOverlaps, body_that_overlaps_itself_is_coloured_there) {
+TEST(ColouredOverlaps, self_overlap_of_a_body_is_coloured) {
     TriangleMesh both = box({0, 0, 0}, {2, 2, 2});
     const TriangleMesh second = box({1, 1.25, 0.5}, {3, 3, 1.5});
     auto& xyz = std::get<std::vector<double>>(both.vertices);
@@ -102,7 +102,7 @@ TEST(ColouredOverlaps, body_that_overlaps_itself_is_coloured_there) {
     EXPECT_NEAR(area_of(bodies.ply()), 5, 1e-12);
 }
 
-TEST(ColouredOverlaps, poses_place_and_mirror_bodies) {
+TEST(ColouredOverlaps, coloured_overlap_follows_a_pose_that_moves_and_mirrors) {
     OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2})});
     bodies.world.bodies.push_back({"mirrored", 0, {}});
     bodies.world.bodies[1].pose.rows = {-1, 0, 0, 3, 0, 1, 0, 0.5, 0, 0, 1, 0.5};  // (1, 0.5, 0.5) to (3, 2.5, 2.5)
@@ -110,7 +110,7 @@ TEST(ColouredOverlaps, poses_place_and_mirror_bodies) {
     EXPECT_NEAR(area_of(bodies.ply()), 2 * (1 * 1.5 + 1 * 1.5 + 1.5 * 1.5), 1e-12);
 }
 
-TEST(ColouredOverlaps, open_surfaces_have_no_inside) {
+TEST(ColouredOverlaps, overlap_with_an_open_body_is_not_coloured) {
     OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
     bodies.world.shapes[1].triangles.resize(33);
     bodies.overlaps.relation[0] = OverlapRelation::undefined;
@@ -128,7 +128,7 @@ TEST(ColouredOverlaps, without_overlaps_nothing_is_coloured) {
     EXPECT_EQ(read_world(in, "a.glb").triangle_count(), 24);
 }
 
-TEST(ColouredOverlaps, glb_has_bodies_in_translucent_and_opaque_materials) {
+TEST(ColouredOverlaps, glb_shows_overlaps_opaque_in_translucent_bodies) {
     const Folder folder;
     const OverlappingBodies bodies(
         {box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5}), box({7, 7, 7}, {8, 8, 8})});
@@ -160,7 +160,7 @@ TEST(ColouredOverlaps, obj_marks_translucency_and_3mf_keeps_bodies) {
     EXPECT_EQ(again.bodies[0].name, "body 0");
 }
 
-TEST(ColouredOverlaps, html_holds_curves_and_opaque_triangles_first) {
+TEST(ColouredOverlaps, html_page_has_crossing_curves_and_counts_opaque_triangles) {
     const OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
     std::ostringstream out;
     write_coloured(out, bodies.world, bodies.overlaps, MeshFormat::html);

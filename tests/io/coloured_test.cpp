@@ -28,7 +28,7 @@ std::vector<std::int32_t> face_channel(const fs::path& path, const char* channel
     return read_mesh(path, {.group_property = channel}).groups;
 }
 
-TEST(ColouredMesh, ply_colours_faces_and_vertices) {
+TEST(ColouredMesh, ply_colours_colliding_faces_and_their_vertices) {
     const Folder folder;
     write_coloured(folder / "a.ply", sample_mesh(), nullptr, one_hit());
     expect_same(read_mesh(folder / "a.ply"), sample_mesh());
@@ -43,7 +43,7 @@ TEST(ColouredMesh, ply_colours_faces_and_vertices) {
     }
 }
 
-TEST(ColouredMesh, second_mesh_follows_the_first) {
+TEST(ColouredMesh, ply_and_obj_hold_the_second_mesh_after_the_first) {
     const Folder folder;
     TriangleMesh second = sample_mesh();
     second.vertices = std::vector<float>(15, 0.25f);
@@ -121,7 +121,7 @@ TEST(ResultsByPolygon, polygons_are_preserved_and_have_one_colour) {
     EXPECT_EQ(face_channel(folder / "b.ply", "red"), (std::vector<std::int32_t>{178, 213, 213, 178, 178, 213}));
 }
 
-TEST(ResultsByPolygon, face_can_have_hundreds_of_corners) {
+TEST(ResultsByPolygon, coloured_ply_preserves_a_polygon_of_300_corners) {
     const Folder folder;
     std::string text, face = "f";
     for (int i = 0; i < 300; ++i) {
@@ -152,7 +152,7 @@ TEST(ResultsByPolygon, inconsistent_polygons_are_refused) {
     refused([](Polygons& p) { p.corners.push_back(0); });
 }
 
-TEST(ColouredMesh, foreign_materials_are_not_overwritten) {
+TEST(ColouredMesh, mtl_file_of_another_program_is_not_overwritten) {
     const Folder folder;
     folder.write("a.mtl", "newmtl mine\n");
     const auto write = [&] { write_coloured(folder / "a.obj", sample_mesh(), nullptr, one_hit()); };

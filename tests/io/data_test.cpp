@@ -21,7 +21,7 @@ class Data : public testing::Test {
     std::optional<fs::path> folder = data_folder();
 };
 
-TEST_F(Data, scenes_have_the_stated_sizes) {
+TEST_F(Data, scenes_have_the_sizes_stated_in_the_readme) {
     constexpr ScalarType single = ScalarType::float32, twofold = ScalarType::float64;
     const Scene scenes[] = {
         {"scalable-ccd/cloth-ball/frames/cloth_ball92.ply", 46'598, 92'230, single},

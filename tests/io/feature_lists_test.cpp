@@ -21,7 +21,7 @@ std::string written(const Proximities& nearby, PairFormat format) {
     return out.str();
 }
 
-TEST(FeatureLists, text_has_one_line_per_row) {
+TEST(FeatureLists, text_has_one_line_per_pair_of_features) {
     EXPECT_EQ(written(example_impacts(), PairFormat::txt), "vf 7 1 0.1 0\nvf 9 0 1 0\nee 0 7 2 9 0 1\n");
     EXPECT_EQ(written(example_impacts(), PairFormat::automatic), written(example_impacts(), PairFormat::txt));
     EXPECT_EQ(written(example_near(), PairFormat::txt), "vf 7 1 5e-324\nvf 9 0 inf\nee 0 7 2 9 0\n");
@@ -41,7 +41,7 @@ TEST(FeatureLists, csv_has_named_columns) {
               "kind,vertex,face,a,b,c,d,toi,start\nvf,7,1,,,,,0.1,0\nvf,9,0,,,,,1,0\nee,,,0,7,2,9,0,1\n");
 }
 
-TEST(FeatureLists, blocks_give_the_same_rows) {
+TEST(FeatureLists, list_written_in_blocks_has_the_rows_of_its_blocks) {
     const auto expect = [](const auto& block, ListKind of) {
         for (const PairFormat format : {PairFormat::txt, PairFormat::csv, PairFormat::automatic}) {
             std::ostringstream twice;
@@ -59,7 +59,7 @@ TEST(FeatureLists, blocks_give_the_same_rows) {
     }
 }
 
-TEST(FeatureLists, blocks_appear_in_the_file_on_commit) {
+TEST(FeatureLists, blocks_replace_the_old_file_only_on_commit) {
     const Folder folder;
     const auto path = folder / "near.csv";
     std::ofstream(path) << "old";
@@ -289,7 +289,7 @@ TEST(FeatureLists, impacts_colour_the_triangles_they_hit) {
     EXPECT_EQ(error_of(colours).code, ErrorCode::invalid_argument) << "there is no such face";
 }
 
-TEST(FeatureLists, near_pairs_colour_two_meshes) {
+TEST(FeatureLists, near_pairs_shade_triangles_of_both_meshes_by_distance) {
     Proximities nearby;
     nearby[FeatureKind::vertex_face].pairs = array<Pair>({{3, 2}, {4, 0}});
     nearby[FeatureKind::vertex_face].bodies = array<BodyPair>({{0, 1}, {1, 0}});

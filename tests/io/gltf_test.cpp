@@ -54,7 +54,7 @@ TEST(Gltf, buffer_can_be_embedded_or_a_separate_file) {
         error_of([&] { read_world(folder.write("a.gltf", scene.gltf(uri))); });
 }
 
-TEST(Gltf, stream_must_hold_the_whole_file) {
+TEST(Gltf, stream_that_names_a_separate_buffer_file_is_refused) {
     const GltfScene scene = crumple::test::robot_scene();
     std::istringstream glb(scene.glb()), gltf(scene.gltf("a.bin"));
     EXPECT_EQ(read_world(glb, "standard input").bodies.size(), 4u);
@@ -192,7 +192,7 @@ TEST(Gltf, quantized_positions_are_read) {
     EXPECT_EQ(coordinates(read_scene(scene).shapes[0])[3], static_cast<float>(3.0 / 32767));
 }
 
-TEST(Gltf, vertices_can_be_interleaved) {
+TEST(Gltf, positions_can_be_interleaved_with_other_data) {
     GltfScene scene;
     const int positions = scene.add_positions({0, 0, 0, 7, 1, 0, 0, 7, 0, 1, 0, 7});
     scene.json["accessors"].at(static_cast<std::size_t>(positions))["count"] = 3;

@@ -55,7 +55,7 @@ TEST(Gzip, gzip_is_recognised_by_its_content) {
               1u);
 }
 
-TEST(Gzip, extension_makes_writers_compress) {
+TEST(Gzip, writers_compress_if_the_file_name_ends_in_gz) {
     const Folder folder;
     const TriangleMesh mesh = read_bytes(triangle, "a.obj");
     for (const std::string name : {"a.obj", "a.off", "a.ply", "a.stl", "a.3mf"}) {
@@ -97,7 +97,7 @@ TEST(Gzip, several_members_are_joined) {
     expect_same(read_bytes(gzipped(begin) + gzipped("") + gzipped(end), "a.obj.gz"), read_bytes(triangle, "a.obj"));
 }
 
-TEST(Gzip, damage_is_an_error) {
+TEST(Gzip, truncated_damaged_or_extended_gzip_is_an_error) {
     const std::string whole = gzipped(triangle);
     for (std::size_t size = 2; size < whole.size(); ++size) {
         const Error error = error_of([&] { read_bytes(whole.substr(0, size), "a.obj.gz"); });

@@ -33,7 +33,7 @@ std::string one_mesh(const std::string& vertex, const std::string& triangle) {
 const std::string good_vertex = "<vertex x=\"0\" y=\"1\" z=\"0\"/>",
                   good_triangle = "<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>";
 
-TEST(HostileThreeMf, numbers_and_indices_are_checked) {
+TEST(HostileThreeMf, invalid_coordinates_and_indices_are_refused_with_their_line) {
     EXPECT_EQ(read_bytes(file_3mf(model_around(one_mesh(good_vertex, good_triangle))), "a.3mf").triangle_count(), 1);
     expect_refused(one_mesh(R"(<vertex x="nan" y="1" z="0"/>)", good_triangle), 5, "'nan' is not a finite number");
     expect_refused(one_mesh(R"(<vertex x="1e999" y="1" z="0"/>)", good_triangle), 5, "overflows float64");
@@ -48,7 +48,7 @@ TEST(HostileThreeMf, numbers_and_indices_are_checked) {
                Element::line, 5, "overflows float32", {.precision = Precision::float32});
 }
 
-TEST(HostileThreeMf, objects_and_references_are_checked) {
+TEST(HostileThreeMf, invalid_objects_references_and_transforms_are_refused) {
     expect_refused(one_object(tetrahedron, "\n<item objectid=\"2\"/>"), 8, "there is no object 2");
     expect_refused(one_object(tetrahedron, "\n<item/>"), 8, "an item lacks objectid");
     expect_refused(one_object(tetrahedron, "\n<item objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 1 0 0\"/>"), 8,
@@ -91,7 +91,7 @@ TEST(HostileThreeMf, deep_and_exponential_assemblies_are_refused) {
 }
 
 // Refers 60,000 times to 500 triangles: a world stores only the poses, but one mesh would take 700 MB.
-TEST(HostileThreeMf, excessively_repeated_mesh_is_refused_as_one_mesh) {
+TEST(HostileThreeMf, excessively_repeated_mesh_is_read_as_bodies_but_not_as_one_mesh) {
     std::string mesh =
         "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/>"
         "<vertex x=\"0\" y=\"1\" z=\"0\"/></vertices><triangles>";
@@ -120,7 +120,7 @@ TEST(HostileThreeMf, doctypes_and_entities_are_refused) {
     expect_refused("<metadata name=\"" + std::string(3 << 20, 'x') + "\"/>", 3, "longer than 1 MiB");
 }
 
-TEST(HostileThreeMf, missing_parts_are_named) {
+TEST(HostileThreeMf, error_names_the_missing_part_of_a_package) {
     const std::string model = model_around(one_object(tetrahedron));
     const auto expect_error = [](const PackageParts& parts, const std::string& what) {
         const Error error = error_of([&] { read_bytes(parts.bytes(), "a.3mf"); });

@@ -127,7 +127,7 @@ TEST(ListTables, arrays_of_numbers_ids_and_flags_read_back) {
     }
 }
 
-TEST(ListTables, json_null_is_infinity_or_nan) {
+TEST(ListTables, json_null_is_read_as_nan_where_allowed_and_infinity_elsewhere) {
     std::istringstream in(R"({"far": [null], "gaps": [null]})");
     const Source source(in, "a.json");
     ListArray gaps{"gaps", NumberType::float64};

@@ -69,7 +69,7 @@ TEST(Obj, further_components_of_a_vertex_are_skipped) {
     EXPECT_EQ(coordinates(mesh), (std::vector<double>{1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3}));
 }
 
-TEST(Obj, parts_of_a_corner_can_be_empty) {
+TEST(Obj, texture_and_normal_indices_of_a_corner_can_be_empty) {
     EXPECT_EQ(triangles(four + "f 1/ 2// 3/1/\nf 1//1 2/-1 3/1/-1\n"), (Indices{0, 1, 2, 0, 1, 2}));
 }
 
@@ -134,7 +134,7 @@ TEST(Obj, points_and_lines_are_no_triangles) {
     EXPECT_EQ(triangles(four + "p 1\nl 1 2\ns off\nusemtl x\nvt 0 0\nvp 0 0\nf 1 2 3\n"), (Indices{0, 1, 2}));
 }
 
-TEST(Obj, without_faces_there_are_no_triangles) {
+TEST(Obj, file_without_faces_gives_vertices_but_no_triangles) {
     EXPECT_EQ(read_bytes(four, "a.obj").vertex_count(), 4);
     EXPECT_EQ(read_bytes(four, "a.obj").triangle_count(), 0);
 }

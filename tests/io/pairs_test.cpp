@@ -43,7 +43,7 @@ TEST(Pairs, csv_has_a_header_and_equally_many_fields_per_line) {
     EXPECT_EQ(line, "0,2147483647,segment,2,-2,-2,1,1e+300,1e+300,1,,,,,,,,,,,,");
 }
 
-TEST(Pairs, blocks_give_the_same_file) {
+TEST(Pairs, list_written_in_blocks_has_the_rows_of_its_blocks) {
     for (const bool contacts : {false, true})
         for (const PairFormat format : {PairFormat::txt, PairFormat::csv}) {
             const Intersections one = example(contacts);
@@ -58,7 +58,7 @@ TEST(Pairs, blocks_give_the_same_file) {
         }
 }
 
-TEST(Pairs, uncommitted_blocks_keep_the_old_file) {
+TEST(Pairs, blocks_replace_the_old_file_only_on_commit) {
     const Folder folder;
     const auto path = folder / "pairs.txt";
     std::ofstream(path) << "old";

@@ -61,7 +61,7 @@ TEST(Ply, elements_can_come_in_any_order) {
                 corner);
 }
 
-TEST(Ply, other_properties_are_skipped_anywhere) {
+TEST(Ply, unused_properties_of_vertices_and_faces_are_skipped) {
     const std::string header =
         "element vertex 3\nproperty list uchar int bones\nproperty float x\nproperty uchar red\nproperty float y\n"
         "property float z\nproperty double nx\nproperty list uchar float weights\n"
@@ -80,7 +80,7 @@ TEST(Ply, polygons_are_fanned_from_their_first_corner) {
               (std::vector<std::int32_t>{3, 4, 0, 3, 0, 1, 3, 1, 2}));
 }
 
-TEST(Ply, groups_of_integer_properties_are_read) {
+TEST(Ply, integer_property_of_faces_is_read_as_groups_on_request) {
     for (const char* const type : {"char", "uchar", "short", "ushort", "int", "uint", "int64"}) {
         const std::string header =
             three_vertices + "element face 2\nproperty " + type + " object\nproperty list uchar int vertex_indices\n";
@@ -90,7 +90,7 @@ TEST(Ply, groups_of_integer_properties_are_read) {
     }
 }
 
-TEST(Ply, group_property_must_exist_and_fit) {
+TEST(Ply, missing_or_unsuitable_group_property_is_refused) {
     const std::string header = three_vertices +
                                "element face 1\nproperty uint big\nproperty float real\n"
                                "property list uchar int vertex_indices\n";
@@ -191,7 +191,7 @@ TEST(Ply, triangle_strips_flip_every_other_triangle) {
                "a strip names vertex -2 of 5");
 }
 
-TEST(Ply, file_without_faces_is_a_point_cloud) {
+TEST(Ply, vertices_without_faces_are_read_as_points_on_request) {
     const std::string text = ascii("element vertex 2\n" + xyz_float, "0 0 0\n1 2 3\n");
     const TriangleMesh mesh = read_bytes(text, "a.ply");
     EXPECT_EQ(coordinates(mesh), (std::vector<double>{0, 0, 0, 1, 2, 3}));

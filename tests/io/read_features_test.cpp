@@ -32,7 +32,7 @@ TEST(FeatureReading, text_can_have_comments_and_lack_flags) {
     EXPECT_TRUE(read_impacts(folder.write("empty.txt", "")).rows.empty());
 }
 
-TEST(FeatureReading, edges_can_come_in_any_order) {
+TEST(FeatureReading, edges_and_their_vertices_can_come_in_any_order) {
     const Folder folder;
     const FeatureRow row{{CandidateKind::edge_edge, {0, 0}, {1, 8, 3, 5}}, 0.5, false};
     for (const char* const text : {"ee 1 8 3 5 0.5 0", "ee 8 1 5 3 0.5", "ee 3 5 1 8 0.5", "ee 5 3 8 1 0.5"})
@@ -158,7 +158,7 @@ TEST(FeatureReading, malformed_json_is_an_error) {
     expect_bad_rows(std::string(100'000, '['), "a.json", "byte ");
 }
 
-TEST(FeatureReading, bodies_in_json_are_checked) {
+TEST(FeatureReading, invalid_bodies_in_json_are_refused) {
     const auto list = [](const char* bodies, const char* first_edge) {
         return std::string(
                    R"({"vertex_faces": [], "vertex_face_toi": [], "edges": [[0,1],[2,3]], "edge_edges": [[0,0]],)") +
@@ -197,7 +197,7 @@ std::string npz_with(const std::string& name, const std::string& array) {
     return out.str();
 }
 
-TEST(FeatureReading, npz_can_hold_numbers_of_any_order_and_size) {
+TEST(FeatureReading, npz_arrays_can_have_several_byte_orders_and_number_types) {
     const Folder folder;
     const FeatureRow edges{{CandidateKind::edge_edge, {0, 0}, {0, 1, 2, 3}}, 0, true};
     EXPECT_EQ(read_impacts(folder.write("a.npz", npz_with("", ""))).rows, (std::vector{face(0, 1, 0.5, false), edges}));
@@ -251,7 +251,7 @@ std::string mutated(std::string bytes, std::mt19937& random) {
     return bytes;
 }
 
-TEST(FeatureReading, any_bytes_are_a_list_or_an_error) {
+TEST(FeatureReading, randomly_changed_lists_are_read_or_give_an_error) {
     const auto name_of = [](const char* extension) { return std::string("list") + extension; };
     for (const auto& [extension, format] : {std::pair(".txt", PairFormat::txt),
                                             {".csv", PairFormat::csv},

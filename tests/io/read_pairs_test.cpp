@@ -111,7 +111,7 @@ std::string archive_of(const std::string& name, const std::string& bytes, bool c
     return out.str();
 }
 
-TEST(PairReading, npz_can_hold_integers_of_any_order_and_size) {
+TEST(PairReading, npz_integers_can_have_either_byte_order_and_several_sizes) {
     using std::endian;
     const Folder folder;
     const auto read = [&](const std::string& array, bool compressed = false) {

@@ -51,7 +51,7 @@ TEST(MeshReading, single_carriage_returns_end_lines) {
     expect_bad("v 0 0 0\rv 1 0 0\r\nv x 0 0\n", "a.obj", Element::line, 3, "'x'");
 }
 
-TEST(MeshReading, binary_body_begins_after_any_line_end_of_the_header) {
+TEST(MeshReading, body_of_binary_ply_begins_after_any_line_end_of_the_header) {
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         const std::string bytes = binary_ply(order);
         const std::size_t end = bytes.find("end_header\n") + 11;
@@ -81,7 +81,7 @@ TEST(MeshReading, stream_is_read_like_a_file) {
     }
 }
 
-TEST(MeshReading, empty_file_is_an_error_and_no_triangles_a_warning) {
+TEST(MeshReading, empty_file_is_an_error_and_file_without_triangles_a_warning) {
     for (const char* const name : {"a.obj", "a.ply", "a.stl", "a.off", "a.dat"}) {
         for (const char* const bytes : {"", "\n \r\n"}) expect_bad(bytes, name, Element::byte, 0, "the file is empty");
     }
@@ -108,7 +108,7 @@ TEST(MeshReading, last_line_needs_no_line_end) {
     }
 }
 
-TEST(MeshReading, automatic_precision_loses_nothing) {
+TEST(MeshReading, automatic_precision_is_float64_except_for_float32_files) {
     for (const Sample& sample : samples()) {
         const bool single = sample.name == "binary.stl";
         EXPECT_EQ(read_bytes(sample.bytes, sample.name).precision(), single ? ScalarType::float32 : ScalarType::float64)
@@ -119,7 +119,7 @@ TEST(MeshReading, automatic_precision_loses_nothing) {
     }
 }
 
-TEST(MeshReading, text_is_rounded_once) {
+TEST(MeshReading, decimal_numbers_are_rounded_to_float32_only_once) {
     // Slightly more than half way between two float32 numbers. If it were first rounded to float64, it would be half
     // way, and be rounded down, to even.
     const std::string text = "v 1.000000059604644775390626 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n";
@@ -150,7 +150,7 @@ TEST(MeshReading, overflow_and_nonfinite_numbers_are_errors) {
     EXPECT_EQ(coordinates(read_bytes(vertex("+1.5"), "a.obj"))[4], 1.5);
 }
 
-TEST(MeshReading, numbers_are_rounded_to_nearest_in_any_mode_of_the_caller) {
+TEST(MeshReading, numbers_are_rounded_to_nearest_if_the_caller_rounds_upward) {
     const std::string text = "v 0.1 0.2 0.3\nv 0 0 0\nv 0 0 0\nf 1 2 3\n";
     const Folder folder;
     const fs::path path = folder.write("a.obj", text);
@@ -174,7 +174,7 @@ TEST(MeshReading, welding_joins_equal_positions_and_keeps_the_first) {
     EXPECT_EQ(read_bytes(text, "a.obj").vertex_count(), 5) << "only STL is welded without being asked";
 }
 
-TEST(MeshReading, welding_follows_conversion_of_precision) {
+TEST(MeshReading, vertices_are_welded_after_rounding_to_the_requested_precision) {
     const std::string text = "v 1 0 0\nv 1.00000000001 0 0\nv 0 0 0\nf 1 2 3\n";
     EXPECT_EQ(read_bytes(text, "a.obj", {.precision = Precision::float32, .weld = Weld::yes}).vertex_count(), 2);
     EXPECT_EQ(read_bytes(text, "a.obj", {.weld = Weld::yes}).vertex_count(), 3);

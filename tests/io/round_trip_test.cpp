@@ -49,7 +49,7 @@ TYPED_TEST(RoundTrip, round_trip_keeps_every_bit) {
     }
 }
 
-TYPED_TEST(RoundTrip, text_keeps_numbers_read_as_float64) {
+TYPED_TEST(RoundTrip, obj_off_and_3mf_keep_numbers_if_read_as_float64) {
     for (const char* const name : {"a.obj", "a.off", "a.3mf"}) {
         SCOPED_TRACE(name);
         write_mesh(this->folder / name, this->mesh);
@@ -58,7 +58,7 @@ TYPED_TEST(RoundTrip, text_keeps_numbers_read_as_float64) {
     }
 }
 
-TYPED_TEST(RoundTrip, ply_needs_no_precision_option) {
+TYPED_TEST(RoundTrip, ply_keeps_the_precision_of_the_mesh) {
     write_mesh(this->folder / "a.ply", this->mesh);
     expect_same(read_mesh(this->folder / "a.ply"), this->mesh);
 }

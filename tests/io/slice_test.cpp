@@ -133,7 +133,7 @@ TEST_F(Slices, slices_state_whether_to_weld) {
     EXPECT_TRUE(slice(ply_bytes(std::endian::little), {.weld = Weld::yes})->weld);
 }
 
-TEST_F(Slices, unsuitable_files_are_not_sliced) {
+TEST_F(Slices, text_truncated_or_missing_files_are_not_sliced) {
     const std::string ply = ply_bytes(std::endian::little);
     EXPECT_FALSE(slice("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
     EXPECT_FALSE(slice("ply\nformat ascii 1.0\nelement vertex 0\n"));
@@ -150,7 +150,7 @@ TEST_F(Slices, unsuitable_files_are_not_sliced) {
 }
 
 // Only the reader whose block has the polygon can detect it.
-TEST_F(Slices, polygons_are_refused_by_the_reader_of_their_block) {
+TEST_F(Slices, block_with_a_face_that_is_no_triangle_is_not_sliced) {
     for (const std::uint8_t corners : {std::uint8_t{2}, std::uint8_t{4}}) {
         const std::string ply = ply_bytes(std::endian::little, {.face = 6, .corners = corners});
         EXPECT_TRUE(slice(ply, {}, 0, 2));
@@ -178,7 +178,7 @@ TEST_F(Slices, error_of_a_slice_equals_that_of_the_whole_file) {
     EXPECT_STREQ(error.what(), error_of([&] { read_mesh(folder / "a.mesh"); }).what());
 }
 
-TEST(Blocks, each_row_belongs_to_the_reader_of_its_block) {
+TEST(Blocks, first_and_last_row_of_a_block_belong_to_its_reader) {
     for (const std::int64_t rows : {1, 2, 7, 64, 2147483647}) {
         for (const int readers : {1, 2, 3, 64}) {
             const Blocks blocks{rows, readers};

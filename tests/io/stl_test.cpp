@@ -63,7 +63,7 @@ TEST(Stl, error_of_a_nonfinite_coordinate_names_the_byte) {
     expect_bad(bytes, "a.stl", Element::byte, 84 + 50 + 12 + 8, "not finite");
 }
 
-TEST(Stl, normals_and_attributes_can_hold_anything) {
+TEST(Stl, normals_and_attributes_are_ignored) {
     std::string bytes = binary_stl();
     bytes.replace(84, 4, packed(std::endian::little, std::nanf("")));
     bytes.replace(84 + 48, 2, "ab");
@@ -80,7 +80,7 @@ TEST(Stl, missing_end_of_a_solid_gives_a_warning) {
                {.strict = true});
 }
 
-TEST(Stl, keywords_can_hold_a_blank_and_precede_words) {
+TEST(Stl, end_keywords_can_hold_a_blank_and_further_words_are_skipped) {
     const std::string text =
         "solid c\ncolor 0.1 0.2 0.3\nfacet normal 0 0 1 # up\n outer loop 1\n  vertex 0 0 0 red\n  vertex 1 0 0\n"
         "  color 1 0 0\n  vertex 0 1 0\n END LOOP of it\nend facet\nend solid c\nfurther\n";

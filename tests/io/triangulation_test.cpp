@@ -142,7 +142,7 @@ TEST(Triangulation, slit_can_join_a_hole_to_the_outline) {
     expect_cut_however_it_lies(two_holes, {0, 4, 5, 6, 7, 8, 9, 10, 11, 8, 7, 4, 0, 1, 2, 3});
 }
 
-TEST(Triangulation, corner_can_touch_the_outline_elsewhere) {
+TEST(Triangulation, polygon_whose_corner_touches_its_outline_is_cut_without_overlaps) {
     expect_cut_however_it_lies({{0, 0}, {4, 0}, {4, 4}, {2, 1}, {0, 4}, {0, 2}, {0, 1}}, {0, 1, 2, 3, 4, 5, 3, 6},
                                true);
 }
@@ -176,7 +176,7 @@ TEST(Triangulation, self_crossing_polygon_is_fanned_with_a_warning) {
     EXPECT_NE(read(twice).warnings.at(0).find("and 2 more like that"), std::string::npos) << read(twice).warnings[0];
 }
 
-TEST(Triangulation, outline_that_covers_an_area_twice_crosses_itself) {
+TEST(Triangulation, outline_that_covers_an_area_twice_is_fanned_with_a_warning) {
     const Outline square_and_hole{{0, 0}, {10, 0}, {10, 10}, {0, 10}, {3, 3}, {3, 6}, {6, 6}, {6, 3}};
     const auto warns = [](const Outline& outline, const Indices& corners) {
         const TriangleMesh mesh = read(obj_of(outline, corners));
@@ -190,7 +190,7 @@ TEST(Triangulation, outline_that_covers_an_area_twice_crosses_itself) {
     warns({{0, 0}, {1, 2}, {1, 1}, {0, 2}, {2, 2}}, {0, 1, 2, 2, 0, 3, 4});
 }
 
-TEST(Triangulation, corner_can_be_far_from_all_others) {
+TEST(Triangulation, polygon_with_a_very_distant_corner_is_cut_without_overlaps) {
     const Outline notched{{1e30, 1e30}, {-1, 5}, {0, 0}, {1, 1.5}, {1.5, 0}, {5, -1}};
     expect_cut_however_it_lies(notched);
     Outline beyond_expansions = notched;
@@ -198,7 +198,7 @@ TEST(Triangulation, corner_can_be_far_from_all_others) {
     expect_cut_however_it_lies(beyond_expansions);
 }
 
-TEST(Triangulation, triangulation_is_exact_at_every_magnitude) {
+TEST(Triangulation, concave_polygons_are_cut_without_overlaps_at_extreme_scales) {
     const Outline sliver{{0, 0}, {4, 0}, {2, 0x1p-50}, {2, 0x1p-51}};  // concave by about 2^-51
     for (const double scale : {1.0, 0x1p-900, 0x1p900, 0x1p1020, 0x1p-1020}) {
         SCOPED_TRACE(scale);
@@ -249,7 +249,7 @@ TEST(Triangulation, long_comb_is_cut_without_overlaps) {
     expect_cut(read(obj_of(comb, corners)), corners, 2);
 }
 
-TEST(Triangulation, polygons_of_ply_and_off_are_cut_as_well) {
+TEST(Triangulation, concave_polygons_of_ply_and_off_are_cut_without_overlaps) {
     const std::string vertices = "0 0 0\n4 -2 0\n1 0 0\n4 2 0\n";
     const std::string header =
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\n"
@@ -278,7 +278,7 @@ TEST(Polygons, polygons_are_absent_if_all_faces_are_triangles) {
     EXPECT_TRUE(mesh.polygons.offsets.empty() && mesh.polygons.corners.empty());
 }
 
-TEST(Polygons, corners_are_welded_vertices) {
+TEST(Polygons, corners_of_polygons_are_renumbered_by_welding) {
     const std::string text = "v 9 9 9\nv 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 3 4 5 6\n";
     const TriangleMesh mesh = read_bytes(text, "a.obj", {.weld = Weld::yes});
     EXPECT_EQ(mesh.polygons.corners, (Indices{1, 2, 3, 4}));

@@ -40,7 +40,7 @@ TEST(Unit, unit_is_read_from_3mf_and_is_metres_for_gltf) {
     EXPECT_EQ(read_bytes("OFF\n0 0 0\n", "a.off").unit, Unit::unknown);
 }
 
-TEST(Unit, unit_is_preserved_by_3mf_and_gltf) {
+TEST(Unit, unit_is_kept_by_3mf_and_converted_to_metres_by_gltf) {
     const Folder folder;
     for (const Unit unit : units) {
         SCOPED_TRACE(name_of(unit));

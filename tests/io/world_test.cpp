@@ -41,7 +41,7 @@ TEST(WorldMesh, view_can_be_passed_to_a_detector) {
     }
 }
 
-TEST(WorldMesh, posed_mesh_has_the_vertices_of_the_detector) {
+TEST(WorldMesh, search_of_the_posed_mesh_finds_the_pairs_of_the_world) {
     WorldMesh world = robot();
     // Coordinates that float32 must round.
     world.bodies[2].pose.rows = {0.1, 0.7, 0.3, 1.2, 0.9, 0.1, 0.2, 0.1, 0.3, 0.2, 0.8, 0.125};
@@ -98,7 +98,7 @@ TEST(ColouredWorld, glb_keeps_bodies_and_shared_shapes) {
     EXPECT_NE(again.bodies[3].shape, again.bodies[1].shape);
 }
 
-TEST(ColouredWorld, float64_far_from_the_origin_loses_little_in_glb) {
+TEST(ColouredWorld, glb_keeps_distant_float64_vertices_to_within_1e_8) {
     WorldMesh world;
     world.shapes.push_back({std::vector<double>{1e6, 0, 0, 1e6 + 0.1, 0, 0, 1e6, 0.1, 0}, {0, 1, 2}});
     world.bodies.push_back({"a", 0, {{0, 1, 0, 0, -1, 0, 0, 1e6, 0, 0, 1, 0}}});
@@ -111,7 +111,7 @@ TEST(ColouredWorld, float64_far_from_the_origin_loses_little_in_glb) {
     for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-8);
 }
 
-TEST(ColouredWorld, other_formats_hold_the_posed_mesh) {
+TEST(ColouredWorld, ply_holds_the_posed_mesh_and_html_counts_its_triangles) {
     const WorldMesh world = robot();
     Detector detector;
     const Intersections& found = find_indexed(detector, world);

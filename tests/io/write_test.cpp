@@ -40,7 +40,7 @@ TEST(FileWriting, error_names_the_path) {
     EXPECT_EQ(files_in(folder.path()), 1u) << "no half file stays";
 }
 
-TEST(FileWriting, full_disk_keeps_the_old_file) {
+TEST(FileWriting, write_beyond_the_file_size_limit_keeps_the_old_file) {
     // A limit on the size of files has the same effect as a full disk.
     const Folder folder;
     const fs::path path = folder.write("a.ply", "old");
@@ -76,7 +76,7 @@ TEST(FileWriting, existing_file_is_replaced_and_keeps_its_permissions) {
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(FileWriting, link_stays_a_link) {
+TEST(FileWriting, symbolic_link_is_preserved_and_its_target_is_written) {
     const Folder folder;
     folder.write("target.ply", "old");
     fs::create_symlink("target.ply", folder / "link.ply");
@@ -137,7 +137,7 @@ TEST(FileWriting, error_names_the_folder_that_is_the_cause) {
     EXPECT_NE(std::string(error("file/a.ply").what()).find("file is not a folder"), std::string::npos);
 }
 
-TEST(FileWriting, unfinished_files_do_not_outlive_the_process) {
+TEST(FileWriting, unfinished_files_are_removed_at_a_normal_exit_or_on_request) {
     const Folder folder;
     const auto begin = [&] {
         static AtomicFile* const file = new AtomicFile(folder / "a.txt");  // never closed, as if still in use
@@ -201,7 +201,7 @@ TEST(FileWriting, device_file_is_written_and_not_replaced) {
     EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-TEST(FileWriting, name_without_a_folder_is_in_the_working_folder) {
+TEST(FileWriting, path_without_a_folder_is_written_to_the_working_folder) {
     const Folder folder;
     const fs::path before = fs::current_path();
     fs::current_path(folder.path());

@@ -136,7 +136,7 @@ TEST(Zip, any_mixture_of_numbers_can_be_in_zip64_fields) {
     }
 }
 
-TEST(Zip, truncation_is_an_error_and_damage_never_changes_the_mesh) {
+TEST(Zip, truncation_is_an_error_and_a_damaged_byte_never_changes_the_mesh) {
     for (const unsigned large : {0u, unsigned{all}}) {
         const std::string whole = Archive{.large = large}.bytes(parts_of_3mf());
         const TriangleMesh mesh = read_bytes(whole, "a.3mf");
@@ -166,7 +166,7 @@ TEST(Zip, error_explains_why_an_entry_cannot_be_read) {
     EXPECT_TRUE(contains(error.what(), "a.3mf: this is not a 3MF archive")) << error.what();
 }
 
-TEST(Zip, archive_with_one_mesh_is_read) {
+TEST(Zip, zip_with_exactly_one_mesh_is_read_and_others_are_refused) {
     const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     const auto zip = [](const std::vector<std::pair<std::string, std::string>>& entries) {
         return Archive().bytes(entries);

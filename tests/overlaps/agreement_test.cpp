@@ -53,7 +53,7 @@ TEST_P(OverlapAgreement, bodies_off_the_grid_match_brute_force) {
     }
     EXPECT_GT(relations_[1], 10);
 }
-TEST_P(OverlapAgreement, several_worlds_and_every_output_match_brute_force) {
+TEST_P(OverlapAgreement, outputs_and_minimum_volumes_in_worlds_match_brute_force) {
     ClosedBodies bodies = closed_bodies(7, 6, true, false);
     for (std::size_t b = 0; b < 6; ++b) bodies.bodies[b].world = b == 5 ? -1 : static_cast<std::int32_t>(b / 2);
     for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs, Output::pairs})
@@ -103,7 +103,7 @@ TEST_P(OverlapAgreement, t_junctions_with_degenerate_faces_match_brute_force) {
     }
 }
 
-TEST(OverlapMemory, peak_stays_within_the_limit_in_every_call) {
+TEST(OverlapMemory, call_under_a_sufficient_limit_gives_the_same_result_within_it) {
     const ClosedBodies bodies = closed_bodies(13, 30, true, false);
     const OverlapQuery query{.self_overlaps = true, .gradient = true, .curves = true, .windings = true};
     test::expect_same_under_limit([&](Detector& detector) { return detector.find(bodies.view(), query); },

@@ -92,7 +92,7 @@ TEST(ClosedSurface, surface_is_closed_iff_opposite_edges_balance) {
     EXPECT_TRUE(Mesh(0, {}).surface.closed());
 }
 
-TEST(ClosedSurface, components_are_contiguous_and_omit_loose_vertices) {
+TEST(ClosedSurface, places_of_a_component_are_contiguous_and_omit_unused_vertices) {
     std::vector<std::int32_t> triangles = tetrahedron(1);
     for (const std::int32_t v : tetrahedron(6)) triangles.push_back(v);
     const Mesh mesh(10, triangles);  // no face has the vertices 0 and 5

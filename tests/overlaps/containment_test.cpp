@@ -197,14 +197,14 @@ TEST_F(KnownContainments, body_that_touches_another_from_inside_meets_it) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(1.5, 0, 0, 1)), "meeting");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), cube(0, 0, 0, 4)), "meeting");
 }
-TEST_F(KnownContainments, cavity_is_outside) {
+TEST_F(KnownContainments, body_in_a_cavity_is_not_inside) {
     EXPECT_EQ(relation(hollow_cube(), cube(0, 0, 0, 1)), "apart");
     EXPECT_EQ(relation(hollow_cube(), cube(1.5, 1.5, 1.5, 0.5)), "inside");
     EXPECT_EQ(relation(hollow_cube(), cube(0, 0, 0, 3)), "inside") << "it fills the cavity and more";
     EXPECT_EQ(relation(test::joined(cube(0, 0, 0, 4), cube(0, 0, 0, 2)), cube(0, 0, 0, 1)), "inside")
         << "covered twice, which is no cavity";
 }
-TEST_F(KnownContainments, one_component_inside_suffices) {
+TEST_F(KnownContainments, body_with_one_component_inside_another_is_inside) {
     EXPECT_EQ(relation(cube(0, 0, 0, 4), test::joined(cube(9, 0, 0, 1), cube(0, 0, 0, 1))), "inside");
     EXPECT_EQ(relation(test::joined(cube(9, 0, 0, 4), cube(0, 0, 0, 4)), cube(0, 0, 0, 1)), "inside");
     EXPECT_EQ(relation(test::joined(cube(9, 0, 0, 4), cube(0, 0, 0, 4)), cube(4.5, 0, 0, 1)), "apart");
@@ -213,7 +213,7 @@ TEST_F(KnownContainments, inside_out_bodies_contain_and_are_contained) {
     EXPECT_EQ(relation(inside_out(cube(0, 0, 0, 4)), cube(0, 0, 0, 1)), "inside");
     EXPECT_EQ(relation(cube(0, 0, 0, 4), inside_out(cube(0, 0, 0, 1))), "inside");
 }
-TEST_F(KnownContainments, mirroring_poses_change_nothing) {
+TEST_F(KnownContainments, body_inside_a_mirrored_body_is_inside) {
     const ContainedSoup outer = cube(0, 0, 0, 4), inner = cube(0, 0, 0, 1);
     const Shape shapes[] = {Shape(outer.view()), Shape(inner.view())};
     const Body bodies[] = {{.shape = 0}, {.shape = 1}};
@@ -223,7 +223,7 @@ TEST_F(KnownContainments, mirroring_poses_change_nothing) {
     EXPECT_EQ(cpu_.find(World{shapes, bodies, poses}, with_containment()).inside.size(), 1u);
 }
 
-TEST_F(KnownContainments, welding_closes_seams) {
+TEST_F(KnownContainments, bodies_closed_only_by_welding_need_the_weld_option) {
     const ContainedSoup outer = unwelded(cube(0, 0, 0, 4)), inner = unwelded(cube(0, 0, 0, 1));
     EXPECT_EQ(relation(outer, inner, true), "inside");
     const Error error = error_of([&] { relation(outer, inner); });
@@ -319,7 +319,7 @@ TEST_F(KnownContainments, unsuitable_scenes_and_options_are_rejected) {
     EXPECT_TRUE(cpu_.any(two, with_containment())) << "and goes on";
 }
 
-TEST(ContainmentMemory, peak_stays_within_the_limit_in_every_call) {
+TEST(ContainmentMemory, call_under_a_sufficient_limit_gives_the_same_result_within_it) {
     const ClosedBodies bodies = nested_bodies(12, 40, false);
     test::expect_same_under_limit([&](Detector& detector) { return detector.find(bodies.view(), with_containment()); },
                                   [](const Intersections& a, const Intersections& b) { return difference(a, b); });

@@ -184,14 +184,14 @@ TEST_F(KnownOverlaps, sheet_through_a_box_has_an_open_curve) {
     EXPECT_FALSE(cpu_.find(Scene(sheet.view(), cube.view()), OverlapQuery{.open = OpenSurfaces::skip}).any);
 }
 
-TEST_F(KnownOverlaps, three_equal_boxes_fill_the_same_space) {
+TEST_F(KnownOverlaps, three_equal_boxes_give_three_pairs_of_equal_bodies) {
     const Soup one = box({0, 0, 0}, {1, 2, 1});
     const Overlaps& found = find({one, one, one});
     ASSERT_EQ(found.count, 3);
     for (std::size_t row = 0; row < 3; ++row) expect_row(found, row, OverlapRelation::equal, 2, {0, 0, 0});
 }
 
-TEST_F(KnownOverlaps, saddle_with_its_vertex_on_a_plane_overlaps) {
+TEST_F(KnownOverlaps, saddle_with_its_tip_on_a_face_of_a_box_overlaps_the_box) {
     // The rim goes up and down twice around the tip, which lies on the face of a box.
     const Soup saddle = cone(
         {0, 0, 0}, {{2, 0, 1}, {1, 1, -1}, {0, 2, 1}, {-1, 1, -1}, {-2, 0, 1}, {-1, -1, -1}, {0, -2, 1}, {1, -1, -1}});
@@ -209,7 +209,7 @@ TEST_F(KnownOverlaps, membrane_of_two_sides_has_no_volume) {
     expect_row(found, 0, OverlapRelation::touching, 0, {0, 0, 0});
 }
 
-TEST_F(KnownOverlaps, body_of_two_copies_counts_twice) {
+TEST_F(KnownOverlaps, overlap_with_a_body_of_two_copies_counts_twice) {
     const Soup slab = box({0, 0, 0}, {4, 4, 1}), twice = joined(slab, slab);
     const Overlaps& found = find({twice, box({1, 1, 0.5}, {2, 2, 2})});
     expect_row(found, 0, OverlapRelation::overlapping, 1, {0, 0, 2});
@@ -249,7 +249,7 @@ TEST_F(KnownOverlaps, mirrored_spheres_touch_at_a_pole) {
     EXPECT_EQ(found.volume[0], 0);
 }
 
-TEST_F(KnownOverlaps, boxes_of_any_size_have_normal_and_mean_depth) {
+TEST_F(KnownOverlaps, normal_and_mean_depth_are_right_at_extreme_sizes) {
     for (const double size : {1e-120, 1e-40, 1e40, 1e120}) {
         SCOPED_TRACE(size);
         const Overlaps& found =

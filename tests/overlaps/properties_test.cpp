@@ -269,7 +269,7 @@ TEST_P(OverlapProperties, derivatives_add_up_to_area_vector_and_volume) {
     });
 }
 
-TEST_P(OverlapProperties, body_fills_the_same_space_as_itself) {
+TEST_P(OverlapProperties, solid_body_and_its_copy_overlap_in_the_whole_volume) {
     for_pairs(20, [](const Soup& a, const Soup&) {
         Detector detector(Options{.backend = Backend::cpu, .threads = 1});
         const double own = detector.find(Scene(a.view()), OverlapQuery()).body_volume[0];

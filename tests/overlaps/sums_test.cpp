@@ -26,7 +26,7 @@ double rounded(const Rational& x) {
     return sum.rounded_quotient(1, none).value;
 }
 
-TEST(FixedSum, sums_are_exact_at_every_magnitude) {
+TEST(FixedSum, quotients_of_sums_are_rounded_once_at_extreme_magnitudes) {
     std::mt19937_64 random(7);
     for (int round = 0; round < 300; ++round) {
         FixedSum sum;

@@ -134,7 +134,7 @@ void expect_near(double found, const Rational& exact, const std::string& what) {
     EXPECT_LE(std::abs(found - expected), 2 * unit) << what;
 }
 
-TEST(OverlapTruth, small_cases_have_exact_numbers_rounded_once) {
+TEST(OverlapTruth, small_cases_have_exact_volumes_and_area_vectors_rounded_once) {
     const Json cases = cases_of("small.json");
     if (cases.is_null()) GTEST_SKIP() << "no exact results";
     std::int64_t rational = 0;
@@ -189,7 +189,7 @@ TEST(OverlapTruth, small_cases_have_exact_numbers_rounded_once) {
     EXPECT_LT(rational, 2 * compared / 3) << "words decide all sums of many cases";
 }
 
-TEST(OverlapTruth, faces_cross_where_the_exact_signs_say) {
+TEST(OverlapTruth, crossing_faces_are_those_of_the_ground_truth) {
     const Json cases = cases_of("small.json");
     if (cases.is_null()) GTEST_SKIP() << "the shared data is not here";
     int compared = 0;

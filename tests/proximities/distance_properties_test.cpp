@@ -248,7 +248,7 @@ TEST(Distance, is_zero_iff_the_features_intersect) {
 }
 
 // Gives each coordinate a magnitude of its own, over nearly all of float64.
-TEST(Distance, keeps_its_symmetries_for_any_magnitudes) {
+TEST(Distance, order_of_points_and_axes_does_not_matter_at_mixed_magnitudes) {
     for (const FeatureKinds kinds : all_kinds) {
         RandomFeatures random(Points::tiny, 17);
         for (int i = 0; i < 20; ++i) {

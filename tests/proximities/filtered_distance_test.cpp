@@ -209,7 +209,7 @@ const Disturbance disturbances[] = {
 
 class FilteredResults : public testing::TestWithParam<Disturbance> {};
 
-TEST_P(FilteredResults, equal_exact_results) {
+TEST_P(FilteredResults, equal_exact_results_where_decided) {
     Shares shares;
     for_features(23, 60, [&](Features features, RandomFeatures& random) {
         for (Vec3d& p : features.point) p = GetParam().change(p, random);
@@ -228,7 +228,7 @@ INSTANTIATE_TEST_SUITE_P(Disturbances, FilteredResults, testing::ValuesIn(distur
 });
 
 // Each table of kernels either computes nothing (scalar code) or decides nearly all features in general position.
-TEST(FilteredDistance, simd_kernels_decide_nearly_all_features) {
+TEST(FilteredDistance, simd_kernels_decide_nearly_all_features_in_general_position) {
     const auto tables = cpu::all_feature_kernels();
     std::vector<Share> shares(tables.size());
     for_features(31, 60, [&](Features features, RandomFeatures& random) {

@@ -105,7 +105,7 @@ TEST(EdgeEdgeDistance, is_measured_between_ends) {
     expect(edge_edge(o, x, far, near), 3, EA1_EB1, 1, 1);
 }
 
-TEST(EdgeEdgeDistance, tie_of_parallel_edges_goes_to_the_first_smallest_parts) {
+TEST(EdgeEdgeDistance, parallel_edges_report_the_first_of_the_smallest_closest_parts) {
     using enum EdgeEdgeType;
     const auto at = [](double from, double to, double y) { return std::array{Vec3d{from, y, 0}, Vec3d{to, y, 0}}; };
     const auto expect_pair = [&](std::array<Vec3d, 2> first, std::array<Vec3d, 2> second, EdgeEdgeType type, double s,
@@ -156,7 +156,7 @@ TEST(VertexVertexDistance, is_the_length_of_the_difference) {
     expect(vertex_vertex({0, 0, 0}, {-0.0, 0, -0.0}), 0, 0, 0, 0);
 }
 
-TEST(Distance, is_compared_with_an_exact_sum_of_radii) {
+TEST(Distance, comparison_with_a_sum_of_two_radii_is_exact) {
     const RationalDistance five(vertex_vertex({0, 0, 0}, {3, 4, 0}));
     EXPECT_TRUE(five.within({5, 0, false}));
     EXPECT_FALSE(five.within({5, 0, true}));

@@ -63,7 +63,7 @@ TEST(Ptx, arithmetic_rounds_as_the_instruction_says) {
               std::nextafter(0.1f, 1.f) > 0.1 && 0.1f < 0.1 ? std::nextafter(0.1f, 1.f) : 0.1f);
 }
 
-TEST(Ptx, nan_and_zeros_behave_as_on_a_device) {
+TEST(Ptx, ordered_comparisons_with_nan_fail_and_min_ignores_nan) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::string load = "ld.param.f64 %fd1, [in0];\nld.param.f64 %fd2, [in1];\n";
     const auto compare = [&](const std::string& how, double a, double b) {

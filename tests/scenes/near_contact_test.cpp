@@ -120,7 +120,7 @@ TEST(FreePath, is_shortened_for_all_if_driven_points_would_meet) {
     EXPECT_GE(reached[3].z, 0.05);
 }
 
-TEST(FreePath, is_shortened_if_a_pair_meets_at_its_very_end) {
+TEST(FreePath, is_shortened_if_the_distance_reaches_a_tenth_at_its_very_end) {
     const std::vector<Vec3d> start = one_above(0.5), end = one_above(0.05);  // ends exactly at a tenth of the distance
     std::vector<Vec3d> reached = end;
     const auto way = NearContactFinder(two, {}).shorten(start, reached, none_held(start));
@@ -247,7 +247,7 @@ TEST(FreeCloth, passes_through_nothing) {
     EXPECT_TRUE(Detector({.backend = Backend::reference}).find(fall.mesh()).pairs.empty());
 }
 
-TEST(FreeCloth, stops_at_obstacles_at_any_speed) {
+TEST(FreeCloth, stops_at_an_obstacle_even_at_high_speed) {
     Fall fall(8, 300);  // 10 units per frame; the floor is 0.8 units below
     Detector detector;
     double first = 1;
@@ -284,7 +284,7 @@ std::uint64_t bits_after(int frames) {
     return hash;
 }
 
-TEST(FreeCloth, has_the_same_bits_in_each_run) { EXPECT_EQ(bits_after(20), bits_after(20)); }
+TEST(FreeCloth, has_the_same_bits_in_two_runs) { EXPECT_EQ(bits_after(20), bits_after(20)); }
 
 TEST(FreeCloth, is_carried_by_a_moving_obstacle) {
     // A sheet on a plate that rises by 1 and then moves sideways by 0.5.
@@ -313,7 +313,7 @@ TEST(FreeCloth, is_carried_by_a_moving_obstacle) {
     EXPECT_NEAR(middle.x, 0.5, 0.1);
 }
 
-TEST(FreeCloth, separates_slowly_if_too_near) {
+TEST(FreeCloth, leaves_a_too_near_obstacle_at_the_separation_speed) {
     Random random(2);
     const Fabric fabric = weave(6, 6, 0.1, random);
     ClothSolver solver(fabric, {.gravity = 0, .drag = 0, .thickness = 0.04, .separation_speed = 0.3});

@@ -80,7 +80,7 @@ TEST_P(EveryScene, has_about_the_requested_number_of_triangles) {
     }
 }
 
-TEST_P(EveryScene, has_finite_vertices_and_valid_indices_at_every_size) {
+TEST_P(EveryScene, has_finite_vertices_and_valid_indices_even_for_one_triangle) {
     for (const std::int64_t triangles : {1, 2, 100, 12'345}) {
         const io::TriangleMesh mesh =
             make(GetParam().name, {.triangles = triangles, .frame = late_frame(GetParam(), triangles)});
@@ -94,7 +94,7 @@ TEST_P(EveryScene, has_finite_vertices_and_valid_indices_at_every_size) {
     }
 }
 
-TEST_P(EveryScene, depends_only_on_its_parameters) {
+TEST_P(EveryScene, is_repeatable_and_changes_with_the_seed_if_random) {
     const scenes::Parameters parameters{.triangles = 3000};
     EXPECT_EQ(fingerprint(make(GetParam().name, parameters)), fingerprint(make(GetParam().name, parameters)));
     const bool random = GetParam().name != "shells";
@@ -102,13 +102,13 @@ TEST_P(EveryScene, depends_only_on_its_parameters) {
     EXPECT_EQ(fingerprint(make(GetParam().name, parameters)) != other, random);
 }
 
-TEST_P(EveryScene, moves_from_frame_to_frame) {
+TEST_P(EveryScene, has_different_frames_0_and_1_if_it_is_animated) {
     if (GetParam().frames == 1) return;
     EXPECT_NE(fingerprint(make(GetParam().name, {.triangles = 3000, .frame = 0})),
               fingerprint(make(GetParam().name, {.triangles = 3000, .frame = 1})));
 }
 
-TEST(Scenes, have_the_same_bits_on_every_machine) {
+TEST(Scenes, have_their_recorded_fingerprints) {
     const std::map<std::string_view, std::uint64_t> expected{
         {"cloth", 0x3a08e3aa1842f07c},         {"ground", 0x2f122dae4f6adf5d},      {"soup", 0x58bdec4a22349908},
         {"needles", 0xeab57c77bc95661f},       {"five_decades", 0x354662ce35d91b5}, {"bodies", 0x9c95738cf745f8d8},
@@ -175,7 +175,7 @@ TEST(Scenes, bodies_are_closed_surfaces) {
     for (const char* name : {"bodies", "shells", "fans", "knots"}) expect_closed(name);
 }
 
-TEST(Scenes, triangles_of_bodies_face_outwards) {
+TEST(Scenes, bodies_have_positive_signed_volumes) {
     for (const char* name : {"bodies", "shells", "fans", "knots"}) {
         const io::TriangleMesh mesh = make(name, {.triangles = 5000});
         const auto xyz = coordinates(mesh);
@@ -191,7 +191,7 @@ TEST(Scenes, triangles_of_bodies_face_outwards) {
     }
 }
 
-TEST(Scenes, lattice_needs_float64) {
+TEST(Scenes, lattice_is_in_float64_with_large_integer_coordinates) {
     for (const double x : coordinates(make("lattice"))) {
         ASSERT_EQ(x, std::floor(x));
         ASSERT_GE(x, 0x1p28);

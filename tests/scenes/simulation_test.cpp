@@ -102,7 +102,7 @@ TEST(Cut, leaves_no_point_unused_and_no_edge_with_three_triangles) {
     EXPECT_EQ(used.size(), fabric.flat.size());
 }
 
-TEST(Cut, points_made_by_a_cut_start_on_the_cut_edge) {
+TEST(Cut, points_made_by_a_cut_start_at_their_place_in_the_fabric) {
     const Fabric whole = square(8);
     ClothSolver solver(whole, {});
     solver.points = level(whole, 2);
@@ -161,7 +161,7 @@ TEST(ClothSolver, falls_freely_under_gravity) {
     for (const Vec3d p : solver.points) EXPECT_NEAR(p.z, -1.25, 0.01);
 }
 
-TEST(ClothSolver, keeps_held_points_and_does_not_stretch) {
+TEST(ClothSolver, keeps_held_points_and_stretches_by_at_most_a_quarter) {
     const Fabric fabric = square(10, 0.1);
     ClothSolver solver(fabric, {.shear_speed = 3, .bend_speed = 1, .thickness = 0.04});
     solver.points = level(fabric, 0);
@@ -177,7 +177,7 @@ TEST(ClothSolver, keeps_held_points_and_does_not_stretch) {
     }
 }
 
-TEST(ClothSolver, stays_outside_bodies) {
+TEST(ClothSolver, keeps_cloth_above_the_floor_and_outside_the_ball) {
     const auto farther = [](std::string_view scene, int frame, const Collider& body) {
         const io::TriangleMesh mesh = make(scene, {.triangles = 1500, .frame = frame});
         const auto& xyz = std::get<std::vector<float>>(mesh.vertices);

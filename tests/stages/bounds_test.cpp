@@ -9,7 +9,7 @@ namespace {
 using Bounds = Stages;
 INSTANTIATE_TEST_SUITE_P(, Bounds, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
 
-TEST_P(Bounds, vertices_are_mapped_exactly) {
+TEST_P(Bounds, vertices_are_mapped_without_rounding_to_minus_1_to_1) {
     run([](const StageCase& the, const StageState& state) {
         const Normaliser map(the.scene.low, the.scene.high);
         const std::int64_t n = the.scene.vertex_count(), rows = the.scene.moving ? 2 * n : n;
@@ -27,7 +27,7 @@ TEST_P(Bounds, vertices_are_mapped_exactly) {
     });
 }
 
-TEST_P(Bounds, ball_holds_the_triangle) {
+TEST_P(Bounds, ball_holds_the_triangle_at_the_start_and_end) {
     run([](const StageCase& the, const StageState& state) {
         ASSERT_EQ(state.ball.size(), static_cast<std::size_t>(the.scene.triangle_count()));
         for (std::size_t t = 0; t < state.ball.size(); ++t) {

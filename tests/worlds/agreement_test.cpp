@@ -59,7 +59,7 @@ TEST_P(Worlds, worlds_of_many_bodies_match_brute_force) {
         compare(seed, {.bodies = 90, .worlds = 2, .triangles = 5, .everywhere = 0.5, .reach = 2});
 }
 /// Worlds of every size, some of them empty: with one leaf each, or with leaves on one or two levels.
-TEST_P(Worlds, any_number_of_worlds_matches_brute_force) {
+TEST_P(Worlds, scenes_of_2_to_70_worlds_match_brute_force) {
     const auto compare_many = [&](int worlds, const Options& options) {
         SCOPED_TRACE(testing::Message() << worlds << " worlds, leaves of " << options.leaf_size);
         Detector detector(options);

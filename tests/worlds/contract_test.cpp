@@ -63,7 +63,7 @@ TEST(World, two_unposed_bodies_give_the_bytes_of_two_meshes) {
     }
 }
 
-TEST(World, rows_are_sorted_by_world_and_numbered_within_bodies) {
+TEST(World, rows_are_sorted_by_bodies_and_counted_by_world) {
     const auto soup = random_soup(40, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
     const std::vector<Body> bodies{{.world = 0, .self = true},
@@ -105,7 +105,7 @@ TEST(World, pairs_of_two_bodies_in_all_worlds_belong_to_no_world) {
     EXPECT_EQ(found.bodies[0], (BodyPair{1, 2}));
 }
 
-TEST(World, poses_round_once_to_the_precision_of_the_shape) {
+TEST(World, posed_float32_vertices_are_rounded_to_float32) {
     // 1/4 + 2/3 rounded to float32 is slightly larger, and touches a plane there.
     const std::vector<std::array<float, 3>> corner{{0.25f, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
     const double step = 2.0 / 3;
@@ -144,7 +144,7 @@ TEST(World, named_shapes_are_cached) {
 }
 
 // Shapes that a tree cannot split evenly: equal triangles, sizes from tiny to huge, a line, extents beyond float64.
-TEST(World, named_odd_shapes_match_brute_force) {
+TEST(World, named_shapes_that_do_not_split_evenly_match_brute_force) {
     constexpr int triangles = 60;
     std::vector<test::Soup<double>> soups(4);
     const auto add = [](test::Soup<double>& soup, const std::array<std::array<double, 3>, 3>& corners) {
@@ -176,7 +176,7 @@ TEST(World, named_odd_shapes_match_brute_force) {
     }
 }
 
-TEST(World, named_and_unnamed_shapes_match_a_fresh_detector) {
+TEST(World, reused_detector_matches_a_fresh_one_for_named_and_unnamed_shapes) {
     Detector lasting({.threads = 2});
     for (unsigned seed = 0; seed < 30; ++seed) {
         const auto world = test::random_world(seed % 5, {.named = 1, .mixed_precision = false});
@@ -206,7 +206,7 @@ TEST(World, sufficient_memory_limit_is_respected) {
     EXPECT_LE(found.statistics.peak_memory_bytes, limit);
 }
 
-TEST(World, many_worlds_give_the_same_result_under_a_limit) {
+TEST(World, thousand_worlds_give_the_same_result_under_a_memory_limit) {
     const auto soup = random_soup(40, 0.4), other = random_soup(40, 0.4, 2);
     const std::vector<Shape> shapes{Shape(soup.view()), Shape(other.view(), 1)};
     std::vector<Body> bodies;
@@ -257,7 +257,7 @@ TEST(World, blocks_hold_all_rows) {
     }
 }
 
-TEST(World, blocks_need_an_output_of_pairs) {
+TEST(World, blocks_are_refused_for_outputs_without_pairs_of_triangles) {
     const auto soup = random_soup(10, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
     const std::vector<Body> bodies{{.self = true}};
@@ -271,7 +271,7 @@ TEST(World, blocks_need_an_output_of_pairs) {
     }
 }
 
-TEST(World, earlier_stop_request_ends_the_call) {
+TEST(World, stop_requested_before_the_call_cancels_it) {
     const auto soup = random_soup(10, 0.5);
     const std::vector<Shape> shapes{Shape(soup.view())};
     const std::vector<Body> bodies{{.self = true}};
@@ -285,7 +285,7 @@ TEST(World, earlier_stop_request_ends_the_call) {
     EXPECT_GE(detector.find(World{shapes, bodies, {}}).count, 0);
 }
 
-TEST(World, calls_poll_between_two_bodies) {
+TEST(World, poll_runs_at_least_once_per_pair_of_overlapping_bodies) {
     // Saddles slightly above each other, in one world: groups of triangles overlap, and nothing collides.
     constexpr std::int32_t n = 20;
     std::vector<std::array<double, 3>> vertices;
@@ -365,7 +365,7 @@ class WrongWorld : public testing::TestWithParam<Backend> {
     std::vector<Body> bodies{{.self = true}, {.self = true}};
 };
 
-TEST_P(WrongWorld, error_names_the_body) {
+TEST_P(WrongWorld, error_about_a_pose_shape_or_world_id_names_the_body) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<Pose> poses{{}, moved(nan)};
     Error e = error({shapes, bodies, poses});
@@ -404,7 +404,7 @@ TEST_P(WrongWorld, error_names_the_vertex_or_triangle) {
     EXPECT_EQ(e.code, ErrorCode::index_out_of_range);
 }
 
-TEST_P(WrongWorld, error_names_the_shape) {
+TEST_P(WrongWorld, error_about_a_negative_number_of_triangles_names_the_shape) {
     shapes[0].triangles.rows = -1;
     EXPECT_STREQ(error({shapes, bodies, {}}).what(), "shape 0 has -1 triangles; 0 to 2147483647 are possible");
 }
@@ -433,7 +433,7 @@ PairFilter between_groups() {
     return filter;
 }
 
-TEST(World, pairs_with_bodies_without_triangles_are_rejected) {
+TEST(World, triangle_queries_reject_pairs_with_a_body_without_triangles) {
     const auto soup = random_soup(20, 0.3);
     const std::vector<std::int32_t> some{1, 2};
     const std::vector<Edge> edge{{0, 1}};
