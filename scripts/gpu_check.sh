@@ -74,7 +74,7 @@ out=$(cd "$out" && pwd)
 : >"$out/check.log"
 version=$(commit_of "$top" | paste -sd' ') device=unknown
 
-# Rewrites check.json. RESULT is the result of the whole check so far.
+# Rewrites check.json. RESULT: "so far" while steps remain, at the end "ok" or "failed".
 write_report() {  # RESULT
     {
         printf '{"mode": "%s", "commit": "%s", "device": "%s", "seconds": %d, "result": "%s",\n "steps": [\n' \

@@ -43,7 +43,7 @@ class ListWriter {
     std::string_view what_;
     PairFormat format_;
     std::optional<AtomicFile> file_;
-    std::ostream* out_;
+    std::ostream* out_;  ///< the stream of file_, or the caller's
 };
 
 /// Description of the table that a file must hold, and the functions that consume its rows or arrays.

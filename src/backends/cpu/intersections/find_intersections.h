@@ -12,7 +12,7 @@ namespace crumple::cpu {
 /// Call of an intersection query, and the destination of its pairs.
 struct IntersectCall : Call {
     const IntersectionQuery& query;
-    IntersectLeaves& leaves;  ///< same object as Call::query
+    IntersectLeaves& leaves;  ///< the object that Call::query, hidden by `query` above, refers to
     OutputScratch& output;
 
     const PairSink* sink = nullptr;       ///< see NarrowContext

@@ -92,10 +92,11 @@ HWY_INLINE Triangles<D> load_exact_triangles(D d, RecordOf record, const float* 
     return t;
 }
 
-/// Calls test(difference_error, triangles_of), where triangles_of(record) loads the triangles of *record(lane) with the
-/// best corners available: from the normalised rows if these are float32, and so exact, otherwise from the records.
-/// Each coordinate of a difference of two corners errs by at most `difference_error` beyond its own rounding. `reach`:
-/// the largest |coordinate| of a corner in the leaf, the set of triangles that one sweep searches.
+/// Calls test(difference_error, triangles_of), where triangles_of(record_of) loads a vector of triangles, that of lane
+/// i from *record_of(i), with the best corners available: from the normalised rows if these are float32, and so exact,
+/// otherwise from the records. Each coordinate of a difference of two corners errs by at most `difference_error` beyond
+/// its own rounding. `reach`: the largest |coordinate| of a corner in the leaf, the set of triangles that one sweep
+/// searches.
 template <class Test>
 HWY_INLINE void with_triangles(const PointRows& points, float reach, Test test) {
     const hn::ScalableTag<float> d;

@@ -26,15 +26,16 @@ struct Corners {
     hn::Mask<D> shared[3];  ///< true if the corner is also a corner of the other triangle
 };
 
+/// Masks of the lanes whose point lies certainly left, or certainly right, of a directed line in the projection.
 template <class D>
-struct PlaneSides {
+struct LineSides {
     hn::Mask<D> left, right;
 };
 
 /// Returns the certain signs of the cross product of two differences of corners, each coordinate of which errs by at
 /// most `delta` beyond its own rounding.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE PlaneSides<D> side_of(D d, V au, V aw, V bu, V bw, hn::TFromD<D> delta, hn::TFromD<D> tiny) {
+HWY_INLINE LineSides<D> side_of(D d, V au, V aw, V bu, V bw, hn::TFromD<D> delta, hn::TFromD<D> tiny) {
     using T = hn::TFromD<D>;
     const V m = hn::Mul(au, bw), n = hn::Mul(aw, bu), value = hn::Sub(m, n);
     V error =
@@ -117,8 +118,9 @@ HWY_INLINE void drop_undecided(D d, Verdicts& out, Apart apart) {
     out.undecided.resize(left);
 }
 
-// Drops pairs that an edge line separates in float32. triangles_of(record) loads the triangles of *record(lane); each
-// coordinate of a difference of two of their corners errs by at most `delta` beyond its own rounding.
+// Drops pairs that an edge line separates in float32, in the projection. triangles_of(record_of) loads a vector of
+// triangles, that of lane i from *record_of(i); each coordinate of a difference of two of their corners errs by at most
+// `delta` beyond its own rounding.
 template <class TrianglesOf>
 HWY_INLINE void separating_test_with(const Record* record, const CandidateChunk& candidates, float delta,
                                      TrianglesOf triangles_of, Verdicts& out) {

@@ -107,7 +107,7 @@ struct End {
     Words at;
     Sizes size, error;
     hn::Mask<D> certain;
-    Words edge_end;  ///< end of the edge on which this point lies: a corner, relative to the origin
+    Words edge_end;  ///< SegmentBlock::to: corner at which the edge under this point ends, relative to the origin
 };
 
 HWY_INLINE End end_of(const SegmentBlock& block, const Vec3d& origin, int e, int i) {

@@ -221,7 +221,7 @@ class Finder {
     Block warm_starts_, work_;
     SceneKind planned_for_;
     std::size_t now_ = 0;                 ///< current slot
-    std::size_t lists_of_ = no_slot;      ///< slot whose pass used the lists last, or no_slot
+    std::size_t lists_of_ = no_slot;      ///< slot whose pass with rows used the lists last; no_slot: not usable since
     std::optional<Layout> layout_done_;   ///< layout of the lists as they are placed now
     std::optional<Plan> plan_of_replay_;  ///< plan that the last incomplete replay requires
     bool alone_ = false;
