@@ -101,7 +101,7 @@ TEST_F(Sequence, scene_can_be_named_instead_of_files) {
     }
 }
 
-TEST_F(Sequence, coloured_frames_are_written) {
+TEST_F(Sequence, meshes_are_one_file_per_frame_or_one_animation) {
     EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o c.ply -o c.obj -o c.glb -o t.csv").out, "");
     EXPECT_EQ(lines(read("t.csv")).size(), 3u);
     EXPECT_EQ(io::read_mesh(file("c0.ply")).triangle_count(), 5);

@@ -105,7 +105,7 @@ TEST(FeaturePairs, strided_float32_points_are_read) {
     for (std::size_t i = 0; i < expected.toi.size(); ++i) ASSERT_EQ(found.toi[i], expected.toi[i]) << "pair " << i;
 }
 
-TEST(FeaturePairs, error_names_a_point_that_is_not_finite_and_its_pair) {
+TEST(FeaturePairs, wrong_arguments_are_named_in_errors) {
     const Rows good = lattice(12, 6, 3);
     Rows bad = good;
     bad[9][1] = std::numeric_limits<double>::infinity();

@@ -160,7 +160,7 @@ TEST(ColouredOverlaps, obj_marks_translucency_and_3mf_keeps_bodies) {
     EXPECT_EQ(again.bodies[0].name, "body 0");
 }
 
-TEST(ColouredOverlaps, html_page_has_crossing_curves_and_counts_opaque_triangles) {
+TEST(ColouredOverlaps, html_page_has_title_legend_and_number_of_opaque_corners) {
     const OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({1, 1.25, 0.5}, {3, 3, 1.5})});
     std::ostringstream out;
     write_coloured(out, bodies.world, bodies.overlaps, MeshFormat::html);
