@@ -181,7 +181,7 @@ sanitize() {  # TOOL
     need compute-sanitizer
     local tests long=':*pairs_of_one_triangle_are_sorted'
     [[ $1 != racecheck ]] || long=''  # racecheck takes two minutes for this test
-    for tests in device_test:"*hard_soups_in_device_memory*:*Launch.two_meshes_*:*find_ends_launches*$long" \
+    for tests in device_test:"*hard_soups_in_device_memory*:*Launch.two_meshes_*:*wait_of_launches_in_flight*$long" \
         device_features_test:'*radii_and_rest_shape*:*strided_and_unaligned*'; do
         compute-sanitizer --tool "$1" --error-exitcode 9 "$bin/${tests%%:*}" --gtest_brief=1 --gtest_filter="${tests#*:}"
     done
