@@ -74,7 +74,7 @@ TEST_P(SeparatedTriangles, dropped_pairs_do_not_approach_to_the_distance_share) 
     }
 }
 
-// Of two triangles around a hard pair of features, the first gets one or two corners of the second. They replace
+// Gives the first of two triangles around a hard pair of features one or two corners of the second. They replace
 // corners that do not belong to the hard pair.
 TEST_P(SeparatedTriangles, dropped_pairs_with_common_corners_have_no_near_features) {
     int cases = 0, near = 0, dropped = 0, differ = 0;
