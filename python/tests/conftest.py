@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import importlib
+import os
 
+import hypothesis
 import numpy as np
 import pytest
 
@@ -20,6 +22,15 @@ def peer(name: str):
             f"{name} is not installed ({error}); scripts/test_python.sh --all installs what pip can",
             allow_module_level=True,
         )
+
+
+def examples(usual: int) -> hypothesis.settings:
+    """Returns settings for `usual` random examples, the same in each run, so that none fails on an unrelated change.
+
+    As for the tests in C++, the environment variable CRUMPLE_ROUNDS multiplies their number.
+    """
+    rounds = int(os.environ.get("CRUMPLE_ROUNDS", "1"))
+    return hypothesis.settings(max_examples=rounds * usual, derandomize=True, deadline=None)
 
 
 def sufficient_limit(call, limit: int, **options) -> int:

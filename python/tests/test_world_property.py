@@ -3,11 +3,12 @@
 import dataclasses
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 import crumple
+from conftest import examples
 
 WARM = crumple.Detector(threads=2, leaf_size=4)
 REFERENCE = crumple.Detector(backend="reference")
@@ -59,7 +60,7 @@ questions = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=200, deadline=None)
+@examples(200)
 @given(worlds(), questions, st.lists(st.tuples(st.integers(0, 4), st.integers(0, 4)), max_size=3), st.booleans())
 def test_random_worlds_match_brute_force(columns, question, excluded, named):
     n = len(columns["bodies"])
