@@ -11,6 +11,9 @@
 // pose that is not rigid are shortened until this holds: until their matrix lengthens no vector (by Gershgorin's bound
 // on the eigenvalues of their Gram matrix).
 //
+// For a step, in which vertices move straight from their start to their end, the interval of a box contains the box at
+// both times, so all trajectories of its vertices; the directions are those of the poses at the start.
+//
 // The unit of length exceeds the extent of all boxes of both bodies together, so the error bounds are those of
 // separating_boxes.h. If numbers leave float64's middle range, nothing is separated.
 
@@ -59,16 +62,13 @@ class BoxDistance {
     /// Computes intervals of the boxes and triangles of one of the two bodies.
     class Side {
        public:
-        Intervals operator()(const SmallBox& box) const {
-            Lanes middle = offset_, radius = slack_;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                middle.first += along_[axis].first * box.middle[axis];
-                middle.second += along_[axis].second * box.middle[axis];
-                radius.first += size_[axis].first * box.half[axis];
-                radius.second += size_[axis].second * box.half[axis];
-            }
-            return {{middle.first - radius.first, middle.second - radius.second},
-                    {middle.first + radius.first, middle.second + radius.second}};
+        Intervals operator()(const SmallBox& box) const { return interval(start_, box); }
+
+        /// Returns the interval of a box during the step; without a step, undefined.
+        Intervals swept(const SmallBox& box) const {
+            Intervals all = interval(start_, box);
+            all.widen(interval(end_, box));
+            return all;
         }
 
         /// Returns the interval of a triangle. p, q and r: its posed vertices along each direction
@@ -82,34 +82,50 @@ class BoxDistance {
 
        private:
         friend class BoxDistance;
-        Lanes along_[3], size_[3], offset_, slack_;
+        /// Projection of the coordinates of small boxes to the directions, under one pose.
+        struct Projection {
+            Lanes along[3], size[3], offset;
+        };
+        Intervals interval(const Projection& to, const SmallBox& box) const {
+            Lanes middle = to.offset, radius = slack_;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                middle.first += to.along[axis].first * box.middle[axis];
+                middle.second += to.along[axis].second * box.middle[axis];
+                radius.first += to.size[axis].first * box.half[axis];
+                radius.second += to.size[axis].second * box.half[axis];
+            }
+            return {{middle.first - radius.first, middle.second - radius.second},
+                    {middle.first + radius.first, middle.second + radius.second}};
+        }
+        Projection start_, end_;
+        Lanes slack_;
     };
 
     /// `known`: the eighth direction, of any length; the zero vector if there is none.
     BoxDistance(const Placement& a, const SmallFrame& frame_a, const Placement& b, const SmallFrame& frame_b,
                 const Vec3d& known) {
         const Affine pa = a.matrix(), pb = b.matrix();
-        origin_ = pa(frame_a.all.middle);
-        const Vec3d apart = pb(frame_b.all.middle) - origin_;
-        unit_ = (reach(pa) * frame_a.unit + reach(pb) * frame_b.unit + length(apart)) * (1 + 0x1p-20);
-        const double error = a.error(frame_a.all) + b.error(frame_b.all);
-        usable_ = unit_ > 0x1p-300 && unit_ < 0x1p300 && error < 0x1p300;
-        if (!usable_) unit_ = 1;
-        Vec3d n[lanes];
-        if (usable_) {
-            set_frame(pa, n);
-            set_frame(pb, n + 4);
-            n[3] = unit_vector(apart);
-            n[7] = unit_vector(known);
-        }
-        for (int i = 0; i < lanes; ++i) {
-            set(a_, i, n[i], pa, frame_a.unit);
-            set(b_, i, n[i], pb, frame_b.unit);
-            if (usable_) lane(b_.offset_, i, dot(n[i], apart) / unit_);
-            lane(a_.slack_, i,
-                 usable_ ? 2 * error / unit_ * 1.0001 + 0x1p-18 : std::numeric_limits<double>::infinity());
-            for (int axis = 0; axis < 3; ++axis) lane(direction_[axis], i, n[i][axis]);
-        }
+        set_directions(pa, frame_a, pb, frame_b, known, 0, a.error(frame_a.all) + b.error(frame_b.all));
+        set(a_.start_, pa, frame_a);
+        set(b_.start_, pb, frame_b);
+    }
+
+    /// Placements of a body at both ends of a step.
+    struct Step {
+        Placement start, end;
+    };
+    BoxDistance(const Step& a, const SmallFrame& frame_a, const Step& b, const SmallFrame& frame_b) {
+        const Affine pa = a.start.matrix(), pb = b.start.matrix(), qa = a.end.matrix(), qb = b.end.matrix();
+        const Vec3d origin = pa(frame_a.all.middle);
+        const double extent_at_end = reach(qa) * frame_a.unit + reach(qb) * frame_b.unit +
+                                     length(qa(frame_a.all.middle) - origin) + length(qb(frame_b.all.middle) - origin);
+        const double error = a.start.error(frame_a.all) + b.start.error(frame_b.all) + a.end.error(frame_a.all) +
+                             b.end.error(frame_b.all);
+        set_directions(pa, frame_a, pb, frame_b, {}, extent_at_end, error);
+        set(a_.start_, pa, frame_a);
+        set(b_.start_, pb, frame_b);
+        set(a_.end_, qa, frame_a);
+        set(b_.end_, qb, frame_b);
     }
 
     const Side& a() const { return a_; }
@@ -156,12 +172,36 @@ class BoxDistance {
         const double shorter = 1 / std::sqrt(1 + max(overlap[0], max(overlap[1], overlap[2])));
         for (int j = 0; j < 3; ++j) n[j] = shorter * n[j];
     }
-    void set(Side& side, int i, const Vec3d& n, const Affine& pose, double unit) const {
+    // Sets the unit of length, the directions, and the slack. `further`: an extent to add to the unit.
+    void set_directions(const Affine& pa, const SmallFrame& frame_a, const Affine& pb, const SmallFrame& frame_b,
+                        const Vec3d& known, double further, double error) {
+        origin_ = pa(frame_a.all.middle);
+        const Vec3d apart = pb(frame_b.all.middle) - origin_;
+        unit_ = (reach(pa) * frame_a.unit + reach(pb) * frame_b.unit + length(apart) + further) * (1 + 0x1p-20);
+        usable_ = unit_ > 0x1p-300 && unit_ < 0x1p300 && error < 0x1p300;
+        if (!usable_) unit_ = 1;
+        if (usable_) {
+            set_frame(pa, n_);
+            set_frame(pb, n_ + 4);
+            n_[3] = unit_vector(apart);
+            n_[7] = unit_vector(known);
+        }
+        for (int i = 0; i < lanes; ++i) {
+            lane(a_.slack_, i,
+                 usable_ ? 2 * error / unit_ * 1.0001 + 0x1p-18 : std::numeric_limits<double>::infinity());
+            for (int axis = 0; axis < 3; ++axis) lane(direction_[axis], i, n_[i][axis]);
+        }
+    }
+    void set(Side::Projection& to, const Affine& pose, const SmallFrame& frame) const {
         if (!usable_) return;
-        for (int j = 0; j < 3; ++j) {
-            const double along = dot(n, pose.column(j)) * unit / unit_;
-            lane(side.along_[j], i, along);
-            lane(side.size_[j], i, std::abs(static_cast<float>(along)));
+        const Vec3d from_origin = pose(frame.all.middle) - origin_;
+        for (int i = 0; i < lanes; ++i) {
+            lane(to.offset, i, dot(n_[i], from_origin) / unit_);
+            for (int j = 0; j < 3; ++j) {
+                const double along = dot(n_[i], pose.column(j)) * frame.unit / unit_;
+                lane(to.along[j], i, along);
+                lane(to.size[j], i, std::abs(static_cast<float>(along)));
+            }
         }
     }
     static void lane(Lanes& lanes, int i, double x) {
@@ -171,7 +211,7 @@ class BoxDistance {
     static constexpr int lanes = 8;
     bool usable_ = false;
     double unit_ = 1;
-    Vec3d origin_;
+    Vec3d origin_, n_[lanes];  ///< origin of the directions, and the directions
     Side a_, b_;
     Lanes direction_[3];
 };

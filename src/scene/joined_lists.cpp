@@ -52,7 +52,7 @@ CodimensionalFeatures JoinedLists::join(const WorldOutline& outline, const World
     if (!edges && !points) return listed;
     for (std::size_t i = 0; i < bodies.added(); ++i) {
         const std::int32_t b = bodies.added_body(i);
-        checked_lists(outline.shape(b), WorldOutline::name(b));
+        if (!bodies.has_only_groups(i)) checked_lists(outline.shape(b), WorldOutline::name(b));
     }
     edges_.clear();
     if (edges) {
@@ -73,9 +73,11 @@ void JoinedLists::join_edges(const WorldOutline& outline, const WorldScene& bodi
     for (std::size_t i = 0; i < bodies.added(); ++i) {
         const auto first = static_cast<std::int32_t>(bodies.first_vertex(i));
         const Shape& shape = outline.shape(bodies.added_body(i));
-        const std::int64_t behind = first + shape.vertices.rows;
+        const std::int64_t behind = bodies.end_vertex(i);
         const Edge* end = std::partition_point(next, of_triangles.end(), [&](const Edge& e) { return e.a < behind; });
-        if (shape.edges)
+        if (shape.edges && bodies.has_only_groups(i))
+            for (const Edge& e : bodies.edges(i)) edges_.push_back(e);
+        else if (shape.edges)
             for (const Edge& e : *shape.edges) edges_.push_back({first + e.a, first + e.b});
         else
             for (const Edge* e = next; e != end; ++e) edges_.push_back(*e);
@@ -91,10 +93,12 @@ void JoinedLists::join_points(const WorldOutline& outline, const WorldScene& bod
     for (std::size_t i = 0; i < bodies.added(); ++i) {
         const auto first = static_cast<std::int32_t>(bodies.first_vertex(i));
         const Shape& shape = outline.shape(bodies.added_body(i));
-        if (shape.points)
+        if (shape.points && bodies.has_only_groups(i))
+            for (const std::int32_t v : bodies.points(i)) points_.push_back(v);
+        else if (shape.points)
             for (const std::int32_t v : *shape.points) points_.push_back(first + v);
         else
-            for (std::int32_t v = first; v < first + shape.vertices.rows; ++v)
+            for (std::int32_t v = first; v < bodies.end_vertex(i); ++v)
                 if (named_[v]) points_.push_back(v);
     }
 }

@@ -5,10 +5,13 @@
 #include <limits>
 #include <string>
 
+#include "crumple/error.h"
+#include "scene/joined_lists.h"
+
 namespace crumple {
 namespace {
 
-/// Number and bounding box of some centroids of triangles.
+/// Number and bounding box of some centroids of elements.
 struct Section {
     Bounds box = no_bounds;
     std::int64_t count = 0;
@@ -25,8 +28,12 @@ struct Section {
 
 }  // namespace
 
-void ShapeTree::build(const Shape& shape) {
-    const std::int64_t n = shape.triangles.rows;
+void ShapeTree::build(const Shape& shape, TreeElements elements) {
+    const bool all = elements == TreeElements::all;
+    const CodimensionalFeatures lists = all ? checked_lists(shape, "") : CodimensionalFeatures();
+    const std::int64_t triangles = shape.triangles.rows;
+    const auto edges = lists.edges ? static_cast<std::int64_t>(lists.edges->size()) : 0;
+    const std::int64_t n = triangles + edges + (lists.points ? static_cast<std::int64_t>(lists.points->size()) : 0);
     const VertexReader position = reader_of(shape);
     node_.clear();
     first_.clear();
@@ -38,24 +45,28 @@ void ShapeTree::build(const Shape& shape) {
         if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z))) fail_not_finite("", v);
     }
     if (n == 0) return;
-    const std::int64_t leaves = (n + most_triangles - 1) / most_triangles;
+    const std::int64_t leaves = (n + most_elements - 1) / most_elements;
     node_.reserve(static_cast<std::size_t>(2 * leaves));
     first_.reserve(static_cast<std::size_t>(2 * leaves));
     group_.reserve(static_cast<std::size_t>(leaves));
     with_corner_reader(shape, [&](auto corner) {
-        const auto corners = [&](std::int64_t t) {
-            std::array<std::int64_t, 3> c;
-            for (int k = 0; k < 3; ++k) c[static_cast<std::size_t>(k)] = corner(t, k);
-            return c;
+        const auto corners = [&](std::int64_t i) -> std::array<std::int64_t, 3> {
+            if (i < triangles) return {corner(i, 0), corner(i, 1), corner(i, 2)};
+            if (i < triangles + edges) {
+                const Edge& edge = (*lists.edges)[static_cast<std::size_t>(i - triangles)];
+                return {edge.a, edge.b, edge.b};
+            }
+            const std::int32_t v = (*lists.points)[static_cast<std::size_t>(i - triangles - edges)];
+            return {v, v, v};
         };
         Item* item = order_.resize_discard(static_cast<std::size_t>(n));
-        for (std::int64_t t = 0; t < n; ++t) {
+        for (std::int64_t i = 0; i < n; ++i) {
             Vec3d sum;
-            for (const std::int64_t v : corners(t)) {
-                if (v < 0 || v >= shape.vertices.rows) fail_index("", t, v, shape.vertices.rows);
+            for (const std::int64_t v : corners(i)) {
+                if (v < 0 || v >= shape.vertices.rows) fail_index("", i, v, shape.vertices.rows);
                 sum = sum + (1.0 / 3) * position(v);
             }
-            item[t] = {sum, static_cast<std::int32_t>(t)};
+            item[i] = {sum, static_cast<std::int32_t>(i)};
         }
         add_node(shape, item, item + n, corners);
     });
@@ -65,9 +76,9 @@ void ShapeTree::build(const Shape& shape) {
     order_.release();
 }
 
-// Splits along the longest axis, where the sum over both sides of box surface times number of triangles is least
+// Splits along the longest axis, where the sum over both sides of box surface times number of elements is least
 // (surface area heuristic: the probability that a walk enters a box is about proportional to its surface). The boxes
-// are those of the centroids. Of the 31 candidate places, those that leave less than an eighth of the triangles on one
+// are those of the centroids. Of the 31 candidate places, those that leave less than an eighth of the elements on one
 // side are skipped, so that the depth of the tree is logarithmic. If none is left, splits at the median centroid.
 ShapeTree::Item* ShapeTree::split(Item* begin, Item* end) {
     constexpr int bins = 32, least_share = 8;
@@ -95,7 +106,7 @@ ShapeTree::Item* ShapeTree::split(Item* begin, Item* end) {
     if (cut > 0) return std::partition(begin, end, [&](const Item& item) { return bin_of(item) < cut; });
     Item* const middle = begin + (end - begin) / 2;
     std::nth_element(begin, middle, end, [axis](const Item& a, const Item& b) {
-        return a.centroid[axis] != b.centroid[axis] ? a.centroid[axis] < b.centroid[axis] : a.triangle < b.triangle;
+        return a.centroid[axis] != b.centroid[axis] ? a.centroid[axis] < b.centroid[axis] : a.element < b.element;
     });
     return middle;
 }
@@ -110,10 +121,10 @@ Bounds ShapeTree::add_node(const Shape& shape, Item* begin, Item* end, Corners c
         box_[i] = CentredBox(box);
         return box;
     };
-    if (end - begin <= most_triangles) {
+    if (end - begin <= most_elements) {
         node_[i].group = static_cast<std::int32_t>(group_.size());
         const Bounds box = add_group(shape, begin, end, corners);
-        first_[i] = group_.back().triangle[0];
+        first_[i] = group_.back().element[0];
         return box_of(box);
     }
     Item* const middle = split(begin, end);
@@ -126,15 +137,15 @@ Bounds ShapeTree::add_node(const Shape& shape, Item* begin, Item* end, Corners c
 
 template <class Corners>
 Bounds ShapeTree::add_group(const Shape& shape, Item* begin, Item* end, Corners corners) {
-    std::sort(begin, end, [](const Item& a, const Item& b) { return a.triangle < b.triangle; });
+    std::sort(begin, end, [](const Item& a, const Item& b) { return a.element < b.element; });
     const VertexReader position = reader_of(shape);
-    std::array<std::int64_t, 3 * most_triangles> vertex;
+    std::array<std::int64_t, 3 * most_elements> vertex;
     Group group;
     group.first_block = static_cast<std::int64_t>(vertex_.size()) / 12;
     for (const Item* item = begin; item != end; ++item) {
         const auto k = static_cast<std::size_t>(group.count++);
-        group.triangle[k] = item->triangle;
-        const auto ids = corners(item->triangle);
+        group.element[k] = item->element;
+        const auto ids = corners(item->element);
         for (std::size_t c = 0; c < 3; ++c) {
             const auto known = std::find(vertex.begin(), vertex.begin() + group.vertices, ids[c]);
             if (known == vertex.begin() + group.vertices) {

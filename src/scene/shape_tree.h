@@ -1,10 +1,11 @@
 #pragma once
 
-// Binary tree of boxes over groups of at most sixteen triangles of one shape, in the shape's own frame.
+// Binary tree of boxes over groups of at most sixteen elements of one shape, in the shape's own frame. The elements are
+// the shape's triangles and, in a tree of all elements, its codimensional edges and points, as degenerate triangles.
 //
 // [MZ] builds no hierarchy, because a hierarchy has to be rebuilt or refitted whenever triangles move. A named shape
 // does not change: its tree is built once and serves every body of that shape under every pose. The tree only culls: it
-// finds the groups of two bodies that may meet. Their triangles are tested elsewhere.
+// finds the groups of two bodies that may meet. Their elements are tested elsewhere.
 //
 // The tree is built top-down: each node is split along its longest axis, at the place that the surface area heuristic
 // chooses. Nodes are in depth-first order: the left child follows its parent. Each group has its own copies of its
@@ -20,9 +21,13 @@
 
 namespace crumple {
 
+/// Elements of a tree. `triangles`: the shape's triangles. `all`: the triangles, then the codimensional edges as (a, b,
+/// b), then the codimensional points as (v, v, v), numbered in this order.
+enum class TreeElements { triangles, all };
+
 class ShapeTree {
    public:
-    static constexpr int most_triangles = 16;
+    static constexpr int most_elements = 16;
 
     struct Node {
         SmallBox box;
@@ -33,28 +38,28 @@ class ShapeTree {
     };
 
     struct Group {
-        std::int32_t count = 0;        ///< number of triangles
+        std::int32_t count = 0;        ///< number of elements
         std::int64_t first_block = 0;  ///< index of its first block of four vertices, over all groups
         std::int32_t blocks = 0;       ///< number of its blocks; copies of the last vertex fill the last block
         std::int32_t vertices = 0;
-        std::array<std::int32_t, most_triangles> triangle;  ///< triangles of the shape, ascending
-        std::array<std::array<std::uint8_t, 3>, most_triangles> corner;
+        std::array<std::int32_t, most_elements> element;  ///< numbers of the elements, ascending
+        std::array<std::array<std::uint8_t, 3>, most_elements> corner;
     };
 
     /// Coordinates of a group's vertices: all x, all y, all z.
-    using Posed = double[3][3 * most_triangles];
+    using Posed = double[3][3 * most_elements];
 
     explicit ShapeTree(MemoryMeter* meter)
         : node_(meter), first_(meter), group_(meter), vertex_(meter), box_(meter), order_(meter) {}
 
-    /// Builds the tree. Throws Error for coordinates that are not finite and indices out of range; the message does not
-    /// name the shape. O(m log m) for m triangles.
-    void build(const Shape& shape);
+    /// Builds the tree. Throws Error for coordinates that are not finite, indices out of range, and invalid edges and
+    /// points; the message does not name the shape. O(m log m) for m elements.
+    void build(const Shape& shape, TreeElements elements = TreeElements::triangles);
 
     bool empty() const { return group_.empty(); }
     const Node& node(std::int32_t i) const { return node_[i]; }
-    /// Returns the lowest triangle below a node.
-    std::int32_t first_triangle(std::int32_t i) const { return first_[i]; }
+    /// Returns the lowest element below a node.
+    std::int32_t first_element(std::int32_t i) const { return first_[i]; }
     const Group& group(std::int32_t g) const { return group_[g]; }
     std::int32_t groups() const { return static_cast<std::int32_t>(group_.size()); }
     /// Returns the coordinates of a group's vertices along an axis.
@@ -76,7 +81,7 @@ class ShapeTree {
    private:
     struct Item {
         Vec3d centroid;
-        std::int32_t triangle;
+        std::int32_t element;
     };
 
     static Item* split(Item* begin, Item* end);
@@ -87,7 +92,7 @@ class ShapeTree {
 
     SmallFrame frame_;
     Array<Node> node_;
-    Array<std::int32_t> first_;  ///< lowest triangle of each node
+    Array<std::int32_t> first_;  ///< lowest element of each node
     Array<Group> group_;
     Array<double> vertex_;   ///< coordinates of vertices, group by group: all x, all y, all z of a group
     Array<CentredBox> box_;  ///< scratch: boxes of the nodes

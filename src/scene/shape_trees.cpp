@@ -8,33 +8,63 @@
 
 namespace crumple {
 
-const ShapeTree& ShapeTrees::named(const Shape& shape, std::size_t s) {
-    if (const auto known = named_.find(shape.name); known != named_.end()) {
-        Named& named = *known->second;
-        if (named.vertices != shape.vertices.rows || named.triangles != shape.triangles.rows ||
-            named.type != shape.vertices.type)
-            throw Error(ErrorCode::invalid_argument,
-                        "shape " + std::to_string(s) + ": an earlier shape with the name " +
-                            std::to_string(shape.name) + " had " + std::to_string(named.vertices) +
-                            (named.type == ScalarType::float32 ? " float32" : " float64") + " vertices and " +
-                            std::to_string(named.triangles) + " triangles; a changed shape needs another name",
-                        Element::shape, static_cast<std::int64_t>(s));
+const ShapeTree& ShapeTrees::named(const Shape& shape, std::size_t s, TreeElements elements) {
+    const bool lists = elements == TreeElements::all && (shape.edges || shape.points);
+    const auto count = [&](const auto& list) { return lists && list ? static_cast<std::int64_t>(list->size()) : 0; };
+    const Size size{shape.vertices.rows, shape.triangles.rows, count(shape.edges), count(shape.points),
+                    shape.vertices.type};
+    const Key key{shape.name, lists};
+    if (const auto cached = named_.find(key); cached != named_.end()) {
+        Named& named = *cached->second;
+        if (named.size != size) fail_changed(shape.name, s, named.size);
         named.used = calls_;
         return named.tree;
     }
     auto named = std::make_unique<Named>(&meter_);
-    named->vertices = shape.vertices.rows;
-    named->triangles = shape.triangles.rows;
-    named->type = shape.vertices.type;
+    named->size = size;
     named->used = calls_;
-    build(named->tree, shape, s);
-    return named_.emplace(shape.name, std::move(named)).first->second->tree;
+    build(named->tree, shape, s, lists ? TreeElements::all : TreeElements::triangles);
+    return named_.emplace(key, std::move(named)).first->second->tree;
 }
 
-void ShapeTrees::build(ShapeTree& tree, const Shape& shape, std::size_t s) {
+const Array<Edge>& ShapeTrees::edges(const Shape& shape) {
+    auto cached = named_.find({shape.name, true});
+    if (cached == named_.end()) cached = named_.find({shape.name, false});
+    Array<Edge>& edges = cached->second->edges;
+    if (edges.empty()) find_edges(shape, edges);
+    return edges;
+}
+
+void ShapeTrees::find_edges(const Shape& shape, Array<Edge>& edges) {
+    const std::int64_t n = shape.triangles.rows;
+    edges.reserve(static_cast<std::size_t>(3 * n));
+    with_corner_reader(shape, [&](auto corner) {
+        for (std::int64_t t = 0; t < n; ++t)
+            for (int k = 0; k < 3; ++k) {
+                const auto a = static_cast<std::int32_t>(corner(t, k)),
+                           b = static_cast<std::int32_t>(corner(t, (k + 1) % 3));
+                if (a != b) edges.push_back({std::min(a, b), std::max(a, b)});
+            }
+    });
+    std::sort(edges.begin(), edges.end());
+    edges.resize(static_cast<std::size_t>(std::unique(edges.begin(), edges.end()) - edges.begin()));
+}
+
+void ShapeTrees::fail_changed(std::uint64_t name, std::size_t s, const Size& had) {
+    std::string sizes = std::to_string(had.vertices) + (had.type == ScalarType::float32 ? " float32" : " float64") +
+                        " vertices and " + std::to_string(had.triangles) + " triangles";
+    if (had.edges > 0) sizes += " and " + std::to_string(had.edges) + " edges";
+    if (had.points > 0) sizes += " and " + std::to_string(had.points) + " points";
+    throw Error(ErrorCode::invalid_argument,
+                "shape " + std::to_string(s) + ": an earlier shape with the name " + std::to_string(name) + " had " +
+                    sizes + "; a changed shape needs another name",
+                Element::shape, static_cast<std::int64_t>(s));
+}
+
+void ShapeTrees::build(ShapeTree& tree, const Shape& shape, std::size_t s, TreeElements elements) {
     for (;;) {
         try {
-            tree.build(shape);
+            tree.build(shape, elements);
             return;
         } catch (const MemoryMeter::Exceeded&) {
             if (!drop_oldest()) throw;

@@ -39,6 +39,8 @@ WorldScene::WorldScene(MemoryMeter* meter)
       lone_groups_(meter),
       first_of_world_(meter),
       added_(meter),
+      edges_(meter),
+      points_(meter),
       row_(meter),
       buffers_(meter) {}
 
@@ -54,6 +56,8 @@ void WorldScene::begin(bool float32, BodyFilter& rules, bool moving) {
     }
     for (auto* list : {&corner_, &groups_, &triangle_}) list->clear();
     added_.clear();
+    edges_.clear();
+    points_.clear();
     first_of_world_.assign(1, 0);
 }
 
@@ -105,11 +109,11 @@ void WorldScene::begin_body(std::int32_t b, bool everywhere) { added_.push_back(
 void WorldScene::add_triangle(const WorldOutline& outline, std::int32_t b, bool everywhere, const Row& row) {
     const Body& body = outline.body(b);
     const auto& groups = outline.shape(b).groups;
-    const std::int32_t group = groups.empty() ? body.group : groups[static_cast<std::size_t>(row.triangle)];
+    const std::int32_t group = groups.empty() ? body.group : groups[static_cast<std::size_t>(row.element)];
     const BodyClass its{b, group, body.self, everywhere, true};
     if (classes_->empty() || classes_->back() != its) classes_->push_back(its);
     groups_.push_back(static_cast<std::int32_t>(classes_->size()) - 1);
-    triangle_.push_back(row.triangle);
+    triangle_.push_back(row.element);
     for (const std::int32_t corner : row.corner) corner_.push_back(corner);
 }
 
@@ -162,12 +166,27 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
             put(end_, first + v, {posed[0][v], posed[1][v], posed[2][v]});
         for (std::size_t k = 0; k < static_cast<std::size_t>(group.count); ++k) {
             const auto& c = group.corner[k];
-            row_.push_back({group.triangle[k], {first + c[0], first + c[1], first + c[2]}});
+            row_.push_back({group.element[k], {first + c[0], first + c[1], first + c[2]}});
         }
     }
-    std::sort(row_.begin(), row_.end(), [](const Row& a, const Row& b) { return a.triangle < b.triangle; });
-    for (const Row& row : row_)
-        if (near.empty() || is_near(row, near)) add_triangle(outline, b, everywhere, row);
+    std::sort(row_.begin(), row_.end(), [](const Row& a, const Row& b) { return a.element < b.element; });
+    const Shape& shape = outline.shape(b);
+    const std::int64_t triangles = shape.triangles.rows;
+    const std::int64_t edges = shape.edges ? static_cast<std::int64_t>(shape.edges->size()) : 0;
+    Added& added = added_[added_.size() - 1];
+    added.only_groups = true;
+    added.first_edge = edges_.size();
+    added.first_point = points_.size();
+    for (const Row& row : row_) {
+        if (row.element >= triangles + edges)
+            points_.push_back(row.corner[0]);
+        else if (row.element >= triangles)
+            edges_.push_back({row.corner[0], row.corner[1]});
+        else if (near.empty() || is_near(row, near))
+            add_triangle(outline, b, everywhere, row);
+    }
+    added.end_edge = edges_.size();
+    added.end_point = points_.size();
 }
 
 PreparedScene WorldScene::scene(const WorldOutline& outline, bool weld, ParallelFor& workers) {
@@ -195,12 +214,11 @@ PreparedScene WorldScene::with_proxies(const WorldOutline& outline, const SceneF
     if (features.proxies() == 0) return scene;
     lone_groups_.resize_discard(static_cast<std::size_t>(vertices()));
     for (std::size_t i = 0; i < added_.size(); ++i) {
-        const auto [b, first, everywhere] = added_[i];
+        const std::int32_t b = added_[i].body;
         const auto group = static_cast<std::int32_t>(classes_->size());
         classes_->push_back(
-            {b, outline.body(b).group, outline.body(b).self, everywhere, outline.shape(b).groups.empty()});
-        const std::int64_t end = i + 1 < added_.size() ? added_[i + 1].first_vertex : vertices();
-        std::fill(lone_groups_.begin() + first, lone_groups_.begin() + end, group);
+            {b, outline.body(b).group, outline.body(b).self, added_[i].everywhere, outline.shape(b).groups.empty()});
+        std::fill(lone_groups_.begin() + first_vertex(i), lone_groups_.begin() + end_vertex(i), group);
     }
     groups_.grow_by(static_cast<std::size_t>(features.proxies()));
     for (std::int64_t i = 0; i < features.proxies(); ++i) {

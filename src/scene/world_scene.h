@@ -32,9 +32,9 @@ class WorldScene {
     /// in `near`. `everywhere`: see BodyClass. Throws Error that names the body, and the vertex or triangle.
     void add(const WorldOutline& outline, std::int32_t b, bool everywhere, ParallelFor& workers,
              std::span<const Bounds> near = {});
-    /// Adds only triangles in the given groups of body b's tree: all of them or, if `near` is not empty, only those
+    /// Adds only elements in the given groups of body b's tree: all of them or, if `near` is not empty, only triangles
     /// whose box at the start overlaps a box in `near`. Not for pairs within the body: each group has its own vertices,
-    /// so adjacent triangles of two groups do not share any.
+    /// so adjacent elements of two groups do not share any.
     void add(const WorldOutline& outline, std::int32_t b, bool everywhere, const ShapeTree& tree,
              std::span<const std::int32_t> groups, std::span<const Bounds> near);
 
@@ -63,15 +63,27 @@ class WorldScene {
     std::size_t added() const { return added_.size(); }
     std::int32_t added_body(std::size_t i) const { return added_[i].body; }
     std::int64_t first_vertex(std::size_t i) const { return added_[i].first_vertex; }
+    std::int64_t end_vertex(std::size_t i) const { return i + 1 < added() ? first_vertex(i + 1) : vertices(); }
+
+    /// True if only groups of the i-th added body's tree were added. Then edges() and points() return those of its
+    /// codimensional edges and points that are in the groups, with vertices of the scene.
+    bool has_only_groups(std::size_t i) const { return added_[i].only_groups; }
+    std::span<const Edge> edges(std::size_t i) const {
+        return edges_.span().subspan(added_[i].first_edge, added_[i].end_edge - added_[i].first_edge);
+    }
+    std::span<const std::int32_t> points(std::size_t i) const {
+        return points_.span().subspan(added_[i].first_point, added_[i].end_point - added_[i].first_point);
+    }
 
    private:
     struct Added {
         std::int32_t body;
         std::int64_t first_vertex;
-        bool everywhere;
+        bool everywhere, only_groups = false;
+        std::size_t first_edge = 0, end_edge = 0, first_point = 0, end_point = 0;
     };
     struct Row {
-        std::int32_t triangle, corner[3];
+        std::int32_t element, corner[3];
     };
 
     /// Vertex positions at one time.
@@ -95,7 +107,9 @@ class WorldScene {
     Array<std::int32_t> lone_groups_;  ///< PreparedScene::lone_groups, if there are proxy triangles
     Array<std::int64_t> first_of_world_;
     Array<Added> added_;
-    Array<Row> row_;  ///< scratch
+    Array<Edge> edges_;           ///< of bodies of which only groups were added
+    Array<std::int32_t> points_;  ///< likewise
+    Array<Row> row_;              ///< scratch
     SceneBuffers buffers_;
 };
 

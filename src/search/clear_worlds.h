@@ -1,68 +1,78 @@
 #pragma once
 
-// Finds worlds that are clear: in which no pair of bodies that the filter selects can come near each other, at the
-// start or during the whole step. For any other world, lists the groups of triangles that may come near those of
-// another body. A group is a leaf of a shape's tree (scene/shape_tree.h), so all shapes must have names. Compares boxes
-// of the trees only, no features.
+// Decides most worlds of a query that only requests flags, by the trees of shapes (scene/shape_tree.h), so all shapes
+// must have names. A world is clear if no pair of bodies that the filter selects can come near each other, at the start
+// or during the whole step. For any other world, finds a pair of features that is certainly near, or lists the groups
+// of elements that may come near those of another body, for an exact search.
 
 #include <compare>
 #include <span>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "crumple/array.h"
 #include "scene/body_filter.h"
 #include "scene/near_bodies.h"
 #include "scene/shape_trees.h"
 #include "scene/world_outline.h"
+#include "search/near_walk.h"
 
 namespace crumple {
 
 class ClearWorlds {
    public:
-    ClearWorlds(MemoryMeter& meter, ShapeTrees& trees) : meter_(meter), trees_(trees), near_(&meter) {}
+    ClearWorlds(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& trees)
+        : meter_(meter), trees_(trees), walk_(cancellation, &meter), near_(&meter) {}
 
-    /// Group of triangles that may be near another body: a leaf of the tree of a body's shape.
+    /// `search`: an exact search has to decide. It may leave out groups that are not marked, if any are.
+    enum class Verdict { clear, hit, search };
+
+    /// Group of elements that may be near another body: a leaf of the tree of a body's shape.
     struct Mark {
         std::int32_t body, group;
         friend auto operator<=>(const Mark&, const Mark&) = default;
     };
 
-    /// Reads a world. Features of two bodies are near if their distance is at most `reach`, at some time of the step if
-    /// `step`, else at the start. This is the same as forget() if some shape has no name, or has edges, points, end
-    /// positions, radii or a rest shape, or if a body's box is not finite.
-    void read(const WorldOutline& outline, const BodyFilter& rules, bool step, double reach);
-    /// Forgets the world: clear() then returns false and marks nothing.
-    void forget() { known_ = false; }
+    /// Reads a world. Features of two bodies are near if their distance is at most `distance`, at some time of the step
+    /// if `step`, else at the start. `subsets`: true if near features of two bodies stay near and count as a hit when
+    /// other elements of the bodies are left out; else no world is a hit, and nothing is marked. This is the same as
+    /// forget() if some shape has no name, or has end positions, radii or a rest shape, or if a body's box is not
+    /// finite.
+    void read(const WorldOutline& outline, const BodyFilter& rules, bool step, double distance, bool subsets);
+    /// Forgets the world: every world must then be searched as a whole.
+    void forget() { is_read_ = false; }
 
-    /// True if no pair that the filter selects can be near in the world with index `pass`. If `pass` is the number of
-    /// worlds, the pairs are those among bodies that are in all worlds. If false, marked() has the groups that may be
-    /// near, or is empty if all may be.
-    bool clear(std::int32_t pass);
-    /// Returns the marks of the last clear(), sorted by body and group.
+    /// Decides the world with index `pass`. If `pass` is the number of worlds, the pairs are those among bodies that
+    /// are in all worlds.
+    Verdict decide(std::int32_t pass);
+    /// Returns the marks of the last decide(), sorted by body and group. If there are none, whole bodies must be
+    /// searched.
     std::span<const Mark> marked() const { return marks_; }
     const ShapeTree& tree(std::int32_t body) const { return *bodies_[static_cast<std::size_t>(body)].tree; }
+    /// Returns the edges of a body, as in results.
+    std::span<const Edge> edges(std::int32_t body) const {
+        const Shape& shape = outline_->shape(body);
+        return shape.edges ? *shape.edges : trees_.edges(shape).span();
+    }
 
     /// Frees all memory.
     void release();
 
    private:
-    /// Body of a named shape: the shape's tree, and the body's placements.
-    struct Posed {
-        const ShapeTree* tree;
-        Placement start, end;
-    };
-    Bounds bounds(const Posed& body, const CentredBox& box) const;
+    Bounds bounds(const NearBody& body) const;
     bool may_meet(std::int32_t a, std::int32_t b) const;
-    void mark(std::int32_t a, std::int32_t node_a, std::int32_t b, std::int32_t node_b);
+    bool walk(std::int32_t a, std::int32_t b);
 
     MemoryMeter& meter_;
     ShapeTrees& trees_;
     const WorldOutline* outline_ = nullptr;
     const BodyFilter* rules_ = nullptr;
-    bool known_ = false;
-    double half_ = 0;  ///< half of `reach`, rounded up; all boxes are inflated by it
-    std::vector<Posed> bodies_;
+    bool is_read_ = false, step_ = false, subsets_ = false;
+    double distance_ = 0;
+    std::vector<NearBody> bodies_;
     std::vector<Mark> marks_;
+    std::vector<NearWalk::Groups> groups_;  ///< scratch
+    NearWalk walk_;
     NearBodies near_;
 };
 

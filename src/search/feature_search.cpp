@@ -40,7 +40,7 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, Sha
       outline_(&meter),
       body_filter_(&meter),
       scene_filter_(&meter),
-      clear_(meter, trees),
+      clear_(meter, cancellation, trees),
       scene_(&meter),
       lists_(&meter),
       buffers_(&meter),
@@ -117,8 +117,22 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
             cancellation_.check();
             if (is_any_output(query) && result.any) break;
-            if (clear_.clear(pass)) continue;
-            search_world(backend, pass, query, clear_.marked(), result);
+            ClearWorlds::Verdict verdict = clear_.decide(pass);
+            if (extent(query) == Extent::any) {
+                if (verdict == ClearWorlds::Verdict::search)
+                    search_world(backend, pass, query, clear_.marked(), result);
+                else if (verdict == ClearWorlds::Verdict::hit)
+                    set_hit(world_of(pass), true, result);
+                continue;
+            }
+            // Rows need whole bodies, so the marked groups only decide whether there are any.
+            if (verdict == ClearWorlds::Verdict::search && !clear_.marked().empty() &&
+                !any_among(backend, pass, query, clear_.marked(), result))
+                verdict = ClearWorlds::Verdict::clear;
+            if (verdict == ClearWorlds::Verdict::clear)
+                append_features_of_clear_world(pass, result);
+            else
+                search_world(backend, pass, query, {}, result);
         }
     }
     if constexpr (!is_candidates<Query>)
@@ -128,15 +142,17 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
 }
 
 // No world is left out under a memory limit, where the trees would take memory from the scenes; for the reference
-// backend, which has to test everything; and for a minimum distance that is a share of the distance at the start.
+// backend, which has to test everything; for least distances; and for a minimum distance that is a share of the
+// distance at the start.
 template <class Query>
 void FeatureSearch::read_clear_worlds(const BackendBase& backend, const Query& query) {
     clear_.forget();
-    if (extent(query) != Extent::any || meter_.limit > 0 || backend.by_brute_force()) return;
+    if (meter_.limit > 0 || backend.by_brute_force()) return;
+    const bool subsets = parts_suffice(query);
     if constexpr (is_motion<Query>) {
-        if (query.min_distance_share == 0) clear_.read(outline_, body_filter_, true, query.min_distance);
+        if (query.min_distance_share == 0) clear_.read(outline_, body_filter_, true, query.min_distance, subsets);
     } else if constexpr (is_near<Query>) {
-        clear_.read(outline_, body_filter_, false, query.radius);
+        if (!query.least) clear_.read(outline_, body_filter_, false, query.radius, subsets);
     }
 }
 
@@ -257,16 +273,30 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Query& query, ty
 }
 
 template <class Query>
+bool FeatureSearch::any_among(BackendBase& backend, std::int32_t pass, Query query,
+                              std::span<const ClearWorlds::Mark> marked, typename Query::Result& result) {
+    if constexpr (!is_candidates<Query>) {
+        query.output = Output::any;
+        const std::optional<PreparedScene> made = prepare_pass(backend, pass, !is_near<Query>, query.weld, marked);
+        if (!made) return false;
+        if constexpr (is_near<Query>) near_input_.place(outline_, scene_);
+        find_rows(backend, *made, query);
+        add_pass(found_.statistics, result.statistics);
+        return found_.any;
+    }
+    return true;
+}
+
+template <class Query>
 void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const Query& query,
                                  std::span<const ClearWorlds::Mark> marked, typename Query::Result& result) {
-    if (!parts_suffice(query)) marked = {};
     const std::optional<PreparedScene> made = prepare_pass(backend, pass, !is_near<Query>, query.weld, marked);
     if (!made) return;
     const PreparedScene& scene = *made;
     if constexpr (is_near<Query>) near_input_.place(outline_, scene_);
     find_rows(backend, scene, query);
     add_pass(found_.statistics, result.statistics);
-    set_hit(pass < outline_.worlds() ? pass : -1, found_.any, result);
+    set_hit(world_of(pass), found_.any, result);
     if (extent(query) == Extent::any) return;
     if constexpr (is_motion<Query>) add_first(pass, result);
     append_features(pass, result);

@@ -4,6 +4,7 @@
 // scene, with vertices posed at the start and at the end of the step, and the backend searches it. A single body with
 // the identity pose is searched in the caller's memory ("in place").
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -98,12 +99,15 @@ class FeatureSearch {
     void search_with_least(BackendBase& backend, const World& world, const ProximityQuery& query, Proximities& result);
     template <class Query>
     void search_in_place(BackendBase& backend, const Query& query, typename Query::Result& result);
+    /// True if the marked groups of world `pass` have a pair of features that the query finds.
+    template <class Query>
+    bool any_among(BackendBase& backend, std::int32_t pass, Query query, std::span<const ClearWorlds::Mark> marked,
+                   typename Query::Result& result);
     template <class Query>
     void search_world(BackendBase& backend, std::int32_t pass, const Query& query,
                       std::span<const ClearWorlds::Mark> marked, typename Query::Result& result);
 
-    /// Lets clear_ find the worlds that need no search, for queries that only request flags (Extent::any); else makes
-    /// it forget the world.
+    /// Lets clear_ find the worlds that need no search, or makes it forget the world if all need one.
     template <class Query>
     void read_clear_worlds(const BackendBase& backend, const Query& query);
 
@@ -132,6 +136,8 @@ class FeatureSearch {
     std::optional<PreparedScene> prepare_pass(BackendBase& backend, std::int32_t pass, bool step, bool weld,
                                               std::span<const ClearWorlds::Mark> marked = {});
     void add_marked(std::int32_t pass, std::span<const ClearWorlds::Mark> marked);
+    /// Returns the index of a world in results: `pass`, or -1 for pairs among bodies that are in all worlds.
+    std::int32_t world_of(std::int32_t pass) const { return pass < outline_.worlds() ? pass : -1; }
     /// Returns the number of bodies of world `pass`, without those in all worlds; if `pass` is the number of worlds,
     /// the number of bodies that are in all worlds.
     std::int32_t own_bodies(std::int32_t pass) const;
@@ -148,6 +154,9 @@ class FeatureSearch {
     /// Appends the edges and points of the bodies of world `pass`, as own_bodies() counts them.
     template <class Result>
     void append_features(std::int32_t pass, Result& result);
+    /// Appends the same for a world that is not searched, because it is clear.
+    template <class Result>
+    void append_features_of_clear_world(std::int32_t pass, Result& result);
     /// Appends the codimensional points of a body.
     template <class Result>
     void append_codimensional_points(std::int32_t body, Result& result);
@@ -209,6 +218,20 @@ void FeatureSearch::append_features(std::int32_t pass, Result& result) {
         }
         result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
         append_codimensional_points(scene_.added_body(i), result);
+    }
+}
+
+template <class Result>
+void FeatureSearch::append_features_of_clear_world(std::int32_t pass, Result& result) {
+    const std::int32_t begin = outline_.first_body(pass), end = begin + own_bodies(pass);
+    for (std::int32_t b = begin; b < end; ++b) {
+        const std::span<const Edge> edges = clear_.edges(b);
+        const std::size_t before = result.edges.size();
+        result.edges.grow_by(edges.size());
+        result.edges.resize(before + edges.size());
+        std::copy(edges.begin(), edges.end(), result.edges.begin() + before);
+        result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
+        append_codimensional_points(b, result);
     }
 }
 

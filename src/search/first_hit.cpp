@@ -56,7 +56,7 @@ Bounds PosedGroup::box(int k) const {
 
 std::span<const PosedGroup::Boxed> PosedGroup::boxes_overlapping(const Bounds& other, Buffers& room) const {
     // For each vertex six bits, one for each side of `other`: 1 if the vertex lies beyond that side.
-    std::int64_t beyond[3 * ShapeTree::most_triangles];
+    std::int64_t beyond[3 * ShapeTree::most_elements];
     for (std::int32_t v = 0; v < 4 * group->blocks; v += 2) {
         TwoMasks sides{};
         for (int axis = 0; axis < 3; ++axis) {
@@ -100,11 +100,11 @@ bool bodies_meet(const WorldOutline& outline, const IntersectionQuery& query, co
             for (const auto& [box_j, j] : near_b) {
                 if (!overlap(box_i, box_j)) continue;
                 if (!rules.allows_all_groups() &&
-                    !rules.groups(group_of(a, of_a.group->triangle[static_cast<std::size_t>(i)]),
-                                  group_of(b, of_b.group->triangle[static_cast<std::size_t>(j)])))
+                    !rules.groups(group_of(a, of_a.group->element[static_cast<std::size_t>(i)]),
+                                  group_of(b, of_b.group->element[static_cast<std::size_t>(j)])))
                     continue;
                 ++decided;
-                Triangle s = triangle_of(of_a, i, 0), t = triangle_of(of_b, j, 3 * ShapeTree::most_triangles);
+                Triangle s = triangle_of(of_a, i, 0), t = triangle_of(of_b, j, 3 * ShapeTree::most_elements);
                 if (query.weld) weld(s, t);
                 DecisionCounts counts;
                 if (collide(s, t, query.neighbours, query.kind, counts)) return false;

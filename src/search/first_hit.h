@@ -22,7 +22,7 @@ class PosedGroup {
         Bounds box;
         int triangle;
     };
-    using Buffers = std::array<Boxed, ShapeTree::most_triangles>;
+    using Buffers = std::array<Boxed, ShapeTree::most_elements>;
 
     void pose(const ShapeTree& tree, const Placement& place, std::int32_t group);
     Bounds box(int triangle) const;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <span>
 #include <utility>
 
 #include "exact/intersection/contact.h"
@@ -12,7 +11,6 @@ namespace crumple {
 namespace {
 
 constexpr std::size_t few_candidates = 64;
-constexpr std::int64_t visits_between_checks = 4096;
 
 Triangle first_triangle(const TrianglePoints& points) { return {points, {0, 1, 2}}; }
 Triangle second_triangle(const TrianglePoints& points) { return {points, {3, 4, 5}}; }
@@ -25,18 +23,12 @@ bool apart(const TrianglePoints& a, const TrianglePoints& b) {
 
 }  // namespace
 
-TrianglePoints PosedLeaf::triangle(std::size_t k) const {
-    const auto& c = group->corner[k];
-    const auto vertex = [&](std::size_t v) { return Vec3d{coordinate[0][v], coordinate[1][v], coordinate[2][v]}; };
-    return {vertex(c[0]), vertex(c[1]), vertex(c[2])};
-}
-
 bool NearestWalk::operator()(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
                              double radius, NearestRow& row) {
     // First descends once in both trees to get an upper bound, then visits all nodes that are not farther apart than
     // this bound.
     if (!begin(a, tree_a, b, tree_b, radius)) return false;
-    if (found_ && !touching_) set_directions(direction_);
+    if (found_ && !touching_) set_directions(direction_, upper_);
     candidates_.clear();
     walk(at(a_, 0), at(b_, 0));
     if (!found_) return false;
@@ -66,47 +58,25 @@ std::optional<double> NearestWalk::upper_bound(std::int32_t a, const ShapeTree& 
 bool NearestWalk::begin(std::int32_t a, const ShapeTree& tree_a, std::int32_t b, const ShapeTree& tree_b,
                         double radius) {
     if (tree_a.empty() || tree_b.empty()) return false;
-    begin(a_, a, tree_a);
-    begin(b_, b, tree_b);
+    body_a_ = a;
+    body_b_ = b;
+    a_.begin(tree_a, {outline_.placement(a), {}});
+    b_.begin(tree_b, {outline_.placement(b), {}});
     found_ = touching_ = false;
     direction_ = {};
     candidates_.clear();
     drop_threshold_ = few_candidates;
     upper_ = radius * (1 + 0x1p-50);
-    set_directions({});
+    set_directions({}, upper_);
     const At root_a = at(a_, 0), root_b = at(b_, 0);
     if (gap(root_a.reach, root_b.reach) > limit_) return false;
     descend(root_a, root_b);
     return true;
 }
 
-void NearestWalk::begin(Side& side, std::int32_t body, const ShapeTree& tree) {
-    side.body = body;
-    side.tree = &tree;
-    side.place = outline_.placement(body);
-    side.unit = static_cast<float>(tree.frame().unit);
-}
-
-// Sets the directions along which intervals are compared; `known` is one of them (box_distance.h). Empties the caches,
-// because new directions invalidate all cached intervals.
-void NearestWalk::set_directions(const Vec3d& known) {
-    boxes_.emplace(a_.place, a_.tree->frame(), b_.place, b_.tree->frame(), known);
-    a_.boxes = &boxes_->a();
-    b_.boxes = &boxes_->b();
-    a_.forget();
-    b_.forget();
-    limit_ = boxes_->limit(upper_);
-}
-
 void NearestWalk::set_upper(double upper) {
     upper_ = upper;
-    limit_ = boxes_->limit(upper);
-}
-
-bool NearestWalk::first_is_split(const At& a, const At& b) const {
-    const ShapeTree::Node &node_a = a_.tree->node(a.node), &node_b = b_.tree->node(b.node);
-    if (node_a.group >= 0 || node_b.group >= 0) return node_b.group >= 0;
-    return a_.unit * node_a.extent() > b_.unit * node_b.extent();
+    set_limit(upper);
 }
 
 void NearestWalk::descend(At a, At b) {
@@ -118,10 +88,6 @@ void NearestWalk::descend(At a, At b) {
     }
     visit(a_.tree->node(a.node).group, b_.tree->node(b.node).group);
 }
-
-NearestWalk::Side::Side(MemoryMeter* meter) : leaves(meter) { leaves.resize(cached_leaves); }
-
-void NearestWalk::Side::forget() { group.fill(-1); }
 
 // Visits two nodes that may be as close as the closest pair so far. Of the two children, the closer one comes first.
 void NearestWalk::walk(const At& a, const At& b) {
@@ -143,49 +109,14 @@ void NearestWalk::walk(const At& a, const At& b) {
 
 // True if all pairs of triangles below these nodes come after the touching pair in the order of the result.
 bool NearestWalk::comes_later(const At& a, const At& b) const {
-    const Pair first{a_.tree->first_triangle(a.node), b_.tree->first_triangle(b.node)};
+    const Pair first{a_.tree->first_element(a.node), b_.tree->first_element(b.node)};
     return first > closest_.triangles;
 }
 
-const PosedLeaf& NearestWalk::posed(Side& side, std::int32_t group) {
-    const std::size_t place = static_cast<std::size_t>(group) % cached_leaves;
-    PosedLeaf& leaf = side.leaves[place];
-    if (side.group[place] == group) return leaf;
-    side.group[place] = group;
-    leaf.group = &side.tree->group(group);
-    side.tree->pose(*leaf.group, side.place, leaf.coordinate);
-    BoxDistance::Lanes at[3 * ShapeTree::most_triangles];
-    const auto& coordinate = leaf.coordinate;
-    for (std::int32_t v = 0; v < leaf.group->vertices; ++v)
-        at[v] = (*boxes_)({coordinate[0][v], coordinate[1][v], coordinate[2][v]});
-    for (std::size_t k = 0; k < static_cast<std::size_t>(leaf.group->count); ++k) {
-        const auto& c = leaf.group->corner[k];
-        const BoxDistance::Intervals reach = (*side.boxes)(at[c[0]], at[c[1]], at[c[2]]);
-        leaf.reach[k] = reach;
-        if (k == 0)
-            leaf.all = reach;
-        else
-            leaf.all.widen(reach);
-    }
-    return leaf;
-}
-
 void NearestWalk::visit(std::int32_t group_a, std::int32_t group_b) {
-    if (++visits_ % visits_between_checks == 0) cancellation_.check();
+    poll();
     const PosedLeaf &a = posed(a_, group_a), &b = posed(b_, group_b);
-    if (gap(a.all, b.all) > limit_) return;
-    std::array<std::size_t, ShapeTree::most_triangles> near_b;
-    std::size_t n = 0;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(b.group->count); ++j)
-        if (!(gap(a.all, b.reach[j]) > limit_)) near_b[n++] = j;
-    if (n == 0) return;
-    BoxDistance::Intervals all_b = b.reach[near_b[0]];
-    for (const std::size_t j : std::span(near_b.data(), n)) all_b.widen(b.reach[j]);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(a.group->count); ++i) {
-        if (gap(a.reach[i], all_b) > limit_) continue;
-        for (const std::size_t j : std::span(near_b.data(), n))
-            if (!(gap(a.reach[i], b.reach[j]) > limit_)) test(a, i, b, j);
-    }
+    for_each_close_pair(a, b, [&](std::size_t i, std::size_t j) { test(a, i, b, j); });
 }
 
 bool NearestWalk::wanted(const Pair& pair) const {
@@ -194,11 +125,11 @@ bool NearestWalk::wanted(const Pair& pair) const {
         const auto& groups = outline_.shape(body).groups;
         return groups.empty() ? outline_.body(body).group : groups[static_cast<std::size_t>(triangle)];
     };
-    return rules_.groups(group_of(a_.body, pair.a), group_of(b_.body, pair.b));
+    return rules_.groups(group_of(body_a_, pair.a), group_of(body_b_, pair.b));
 }
 
 void NearestWalk::test(const PosedLeaf& a, std::size_t i, const PosedLeaf& b, std::size_t j) {
-    const Pair pair{a.group->triangle[i], b.group->triangle[j]};
+    const Pair pair{a.group->element[i], b.group->element[j]};
     if (!wanted(pair)) return;
     const TrianglePoints points_a = a.triangle(i), points_b = b.triangle(j);
     ++counts_.tests;

@@ -32,11 +32,12 @@ struct PosedShape {
     }
     double coordinate(Dice& dice) const { return dice.between(-size, size); }
     /// Returns a posed point of the box, sometimes a corner.
-    Vec3d point(Dice& dice) const {
+    Vec3d point(Dice& dice) const { return place(unposed_point(dice)); }
+    Vec3d unposed_point(Dice& dice) const {
         const auto within = [&](double low, double high) {
             return dice.chance(0.4) ? low : dice.chance(0.6) ? high : dice.between(low, high);
         };
-        return place({within(box.low.x, box.high.x), within(box.low.y, box.high.y), within(box.low.z, box.high.z)});
+        return {within(box.low.x, box.high.x), within(box.low.y, box.high.y), within(box.low.z, box.high.z)};
     }
 
     Pose pose;
@@ -66,6 +67,36 @@ TEST(BoxDistance, never_exceeds_the_distance_of_points) {
                 gap(boxes.a()(boxes(p), boxes(p), boxes(r)), boxes.b()(boxes(q), boxes(s), boxes(q)));
             for (const Vec3d& x : {p, r, 0.5 * (p + r)})
                 for (const Vec3d& y : {q, s, 0.5 * (q + s)}) ASSERT_FALSE(triangles > boxes.limit(length(x - y)));
+        }
+    }
+    EXPECT_GT(apart, 200);
+}
+TEST(BoxDistance, never_exceeds_the_distance_of_points_during_a_step) {
+    int apart = 0;
+    for (unsigned seed = 0; seed < 2000; ++seed) {
+        SCOPED_TRACE(seed);
+        Dice dice(seed);
+        PosedShape a(any_pose(dice), dice.between(0.1, 3), dice), b(any_pose(dice), dice.between(0.1, 3), dice);
+        const auto end_of = [&](const Pose& start) {
+            if (dice.chance(0.3)) return any_pose(dice);
+            Pose end = start;
+            for (std::size_t i = 3; i < 12; i += 4) end.rows[i] += dice.between(-1, 1);
+            return end;
+        };
+        const Pose end_a = end_of(a.pose), end_b = end_of(b.pose);
+        const BoxDistance::Step step_a{a.place, Placement(&end_a, false)}, step_b{b.place, Placement(&end_b, false)};
+        const BoxDistance boxes(step_a, a.frame, step_b, b.frame);
+        const float between =
+            gap(boxes.a().swept(a.frame(CentredBox(a.box))), boxes.b().swept(b.frame(CentredBox(b.box))));
+        apart += between > 0;
+        for (int i = 0; i < 60; ++i) {
+            const double t = dice.chance(0.3) ? 0 : dice.chance(0.3) ? 1 : dice.number();
+            const auto at = [&](const PosedShape& shape, const BoxDistance::Step& step) {
+                const Vec3d p = shape.unposed_point(dice);
+                return (1 - t) * step.start(p) + t * step.end(p);
+            };
+            const Vec3d p = at(a, step_a), q = at(b, step_b);
+            ASSERT_FALSE(between > boxes.limit(length(p - q) * (1 + 1e-14)));
         }
     }
     EXPECT_GT(apart, 200);
