@@ -155,15 +155,19 @@ def clear_worlds(quick):
     later[:, :, :, 3] += 0.02
     world = robot.configurations(poses)
     moving, count = world.at(poses, later), len(poses)
+    motion, nearness = {"min_distance": 0.01, "filter": allowed}, {"radius": 0.01, "filter": allowed}
     calls = {
-        "impacts": lambda turn: detector.impacts(moving, min_distance=0.01, output="any_by_world", filter=allowed),
-        "proximities": lambda turn: detector.proximities(world, radius=0.01, output="any_by_world", filter=allowed),
+        "impacts of each, yes or no": lambda turn: detector.impacts(moving, output="any_by_world", **motion),
+        "proximities of each, yes or no": lambda turn: detector.proximities(world, output="any_by_world", **nearness),
+        "all impacts": lambda turn: detector.impacts(moving, **motion),
+        "first impact of each": lambda turn: detector.impacts(moving, output="first", **motion),
+        "all proximities": lambda turn: detector.proximities(world, **nearness),
     }
     rest = {"crumple, intersections": lambda turn: detector.intersections(world, output="any_by_world", filter=allowed)}
     name = f"{count} configurations of {links} links and {len(room.faces):,} triangles, clear"
     return [
         Row(
-            f"{name}: {what} of each, yes or no",
+            f"{name}: {what}",
             call,
             rest,
             1,

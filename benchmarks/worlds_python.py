@@ -240,6 +240,40 @@ def planner(quick):
     ]
 
 
+def point_cloud(quick):
+    """Returns a row about configurations of a chain of 9 links: is any link within 0.05 of a cloud of 20,000 points, which lie on
+    obstacles? Coal gets each point as a triangle without extent."""
+    links, length, count, margin = 9, 1.5, 20 if quick else 100, 0.05
+    vertices, faces = scenes.link(12, 21, length, 0.2)
+    room = scenes.obstacles(40_000)
+    random = np.random.default_rng(4)
+    free = random.uniform(room.vertices.min(0), room.vertices.max(0), size=(count, 3))
+    poses = scenes.arm(count, links, length, free, 0.9).reshape(count, links, 3, 4)
+    corners = room.vertices[room.faces[random.integers(len(room.faces), size=20_000)]]
+    points = np.einsum("ik,ikd->id", random.dirichlet((1, 1, 1), size=len(corners)), corners).astype(np.float32)
+    shapes = [crumple.Shape(vertices, faces, name=f"cloud link {k}") for k in range(links)]
+    shapes.append(crumple.Shape(points, points=np.arange(len(points)), name="cloud"))
+    robot = crumple.World(shapes, worlds=[0] * links + [-1], self_collisions=False)
+    allowed = crumple.PairFilter(excluded_bodies=[(a, b) for b in range(links) for a in range(b)])
+    detector, world = crumple.Detector(threads=1), robot.configurations(poses)
+    link_tree, cloud_tree = tree(vertices, faces), tree(points, np.arange(len(points))[:, None].repeat(3, 1))
+    given, identity, asked = [transforms(p) for p in poses], coal.Transform3s.Identity(), request(1, False)
+    asked.security_margin = margin
+
+    def ours(turn):
+        return detector.proximities(world, radius=margin, output="any_by_world", filter=allowed)
+
+    def theirs(turn):
+        result, hits = coal.CollisionResult(), []
+        for placed in given:
+            result.clear()
+            hits.append(any(coal.collide(link_tree, place, cloud_tree, identity, asked, result) for place in placed))
+        return hits
+
+    name = f"{count} configurations of {links} links, within {margin} of a cloud of {len(points):,} points, yes or no for each"
+    return [Row(name, ours, {"Coal": theirs}, 1, lambda way: flags_differ(ours(0).world_hit, theirs(0)), a_turn=count)]
+
+
 def many_worlds(quick):
     """Returns two rows about worlds of two balls each, about half of which collide. The first compares with Coal, the second with
     crumple itself if each world lies in a different place; otherwise all worlds lie in the same place."""
@@ -303,7 +337,7 @@ def main():
     load = os.getloadavg()[0]
     print(f"crumple {crumple.__version__}, Coal {coal.__version__}, {os.cpu_count()} processors, load {load:.1f}")
     figures = []
-    for make in (ball_and_cloth, robot, planner, many_worlds):
+    for make in (ball_and_cloth, robot, planner, point_cloud, many_worlds):
         figures += [judge(row, rounds) for row in make(arguments.quick)]
     show(figures)
     if arguments.json:

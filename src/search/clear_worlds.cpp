@@ -27,9 +27,8 @@ std::int32_t first_complete(const Shape& s) {
 void ClearWorlds::release() {
     forget();
     bodies_ = {};
-    marks_ = {};
-    groups_ = {};
-    walk_.release();
+    decided_ = {};
+    walks_.clear();
     near_ = NearBodies(&meter_);
 }
 
@@ -80,40 +79,72 @@ bool ClearWorlds::may_meet(std::int32_t a, std::int32_t b) const {
 
 // Marks groups of the two bodies that may be near each other. Returns true if features of the bodies are certainly
 // near.
-bool ClearWorlds::walk(std::int32_t a, std::int32_t b) {
+bool ClearWorlds::mark(Walk& walk, std::int32_t a, std::int32_t b, std::vector<Mark>& marks) const {
     const NearBody &at_a = bodies_[static_cast<std::size_t>(a)], &at_b = bodies_[static_cast<std::size_t>(b)];
     if (step_)
-        walk_.near_in_step(at_a, at_b, distance_, groups_);
-    else if (walk_.near(at_a, at_b, distance_, groups_))
+        walk.near.near_in_step(at_a, at_b, distance_, walk.groups);
+    else if (walk.near.near(at_a, at_b, distance_, walk.groups))
         return true;
-    for (const NearWalk::Groups& pair : groups_) {
-        marks_.push_back({a, pair.a});
-        marks_.push_back({b, pair.b});
+    for (const NearWalk::Groups& pair : walk.groups) {
+        marks.push_back({a, pair.a});
+        marks.push_back({b, pair.b});
     }
     return false;
 }
 
-ClearWorlds::Verdict ClearWorlds::decide(std::int32_t pass) {
-    marks_.clear();
-    if (!is_read_) return Verdict::search;
+bool ClearWorlds::selects_pairs_within(std::int32_t pass) const {
     const bool last = pass == outline_->worlds();
     const std::int32_t end = last ? outline_->bodies() : outline_->first_body(pass + 1);
     for (std::int32_t b = outline_->first_body(pass); b < end; ++b)
-        if (rules_->within(b, outline_->body(b).self)) return Verdict::search;
+        if (rules_->within(b, outline_->body(b).self)) return true;
+    return false;
+}
+
+void ClearWorlds::decide(Walk& walk, std::int32_t pass, Decided& decided) const {
+    decided.verdict = Verdict::search;
+    decided.marks.clear();
+    if (selects_pairs_within(pass)) return;
     bool is_hit = false;
     near_.for_each_pair(pass, [&](std::int32_t a, std::int32_t b) {
-        if (may_meet(a, b) && !tree(a).empty() && !tree(b).empty()) is_hit = walk(a, b);
-        return !is_hit && (subsets_ || marks_.empty());
+        if (may_meet(a, b) && !tree(a).empty() && !tree(b).empty()) is_hit = mark(walk, a, b, decided.marks);
+        return !is_hit && (subsets_ || decided.marks.empty());
     });
-    if (!subsets_) {
-        const bool is_clear = marks_.empty() && !is_hit;
-        marks_.clear();
-        return is_clear ? Verdict::clear : Verdict::search;
-    }
-    if (is_hit) return Verdict::hit;
-    std::sort(marks_.begin(), marks_.end());
-    marks_.erase(std::unique(marks_.begin(), marks_.end()), marks_.end());
-    return marks_.empty() ? Verdict::clear : Verdict::search;
+    std::vector<Mark>& marks = decided.marks;
+    if (!is_hit && marks.empty()) decided.verdict = Verdict::clear;
+    if (is_hit && subsets_) decided.verdict = Verdict::hit;
+    if (is_hit || !subsets_) marks.clear();
+    std::sort(marks.begin(), marks.end());
+    marks.erase(std::unique(marks.begin(), marks.end()), marks.end());
+}
+
+void ClearWorlds::decide(ParallelFor& workers, bool any) {
+    constexpr std::int32_t worlds_of_task = 16;  // each takes some microseconds
+    any_hit_ = false;
+    if (!is_read_) return;
+    const std::int32_t count = outline_->worlds() + 1;
+    decided_.resize(static_cast<std::size_t>(count));
+    const auto make = [&] { return std::make_unique<Walk>(cancellation_, &meter_); };
+    const auto run = [&](std::size_t task) {
+        walks_.with(make, [&](Walk& walk) {
+            const std::int32_t begin = static_cast<std::int32_t>(task) * worlds_of_task;
+            for (std::int32_t pass = begin; pass < std::min(count, begin + worlds_of_task); ++pass) {
+                cancellation_.check();
+                Decided& decided = decided_[static_cast<std::size_t>(pass)];
+                if (any && any_hit_) {
+                    decided.verdict = Verdict::search;
+                    decided.marks.clear();
+                    continue;
+                }
+                decide(walk, pass, decided);
+                if (decided.verdict == Verdict::hit) any_hit_ = true;
+            }
+        });
+    };
+    const auto tasks = static_cast<std::size_t>((count + worlds_of_task - 1) / worlds_of_task);
+    if (tasks > 1)
+        workers.parallel_for(tasks, run);
+    else
+        run(0);
 }
 
 }  // namespace crumple

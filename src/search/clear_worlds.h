@@ -5,24 +5,27 @@
 // or during the whole step. For any other world, finds a pair of features that is certainly near, or lists the groups
 // of elements that may come near those of another body, for an exact search.
 
+#include <atomic>
 #include <compare>
 #include <span>
 #include <vector>
 
 #include "base/cancellation.h"
+#include "base/parallel_for.h"
+#include "base/pool.h"
 #include "crumple/array.h"
 #include "scene/body_filter.h"
 #include "scene/near_bodies.h"
 #include "scene/shape_trees.h"
 #include "scene/world_outline.h"
-#include "search/near_walk.h"
+#include "search/walks/near_walk.h"
 
 namespace crumple {
 
 class ClearWorlds {
    public:
     ClearWorlds(MemoryMeter& meter, Cancellation& cancellation, ShapeTrees& trees)
-        : meter_(meter), trees_(trees), walk_(cancellation, &meter), near_(&meter) {}
+        : meter_(meter), cancellation_(cancellation), trees_(trees), near_(&meter) {}
 
     /// `search`: an exact search has to decide. It may leave out groups that are not marked, if any are.
     enum class Verdict { clear, hit, search };
@@ -42,12 +45,22 @@ class ClearWorlds {
     /// Forgets the world: every world must then be searched as a whole.
     void forget() { is_read_ = false; }
 
-    /// Decides the world with index `pass`. If `pass` is the number of worlds, the pairs are those among bodies that
-    /// are in all worlds.
-    Verdict decide(std::int32_t pass);
-    /// Returns the marks of the last decide(), sorted by body and group. If there are none, whole bodies must be
-    /// searched.
-    std::span<const Mark> marked() const { return marks_; }
+    /// Decides all worlds, on all threads. `any`: true if it is enough that one world is a hit; then worlds may remain
+    /// undecided (Verdict::search, without marks) if another one is.
+    void decide(ParallelFor& workers, bool any);
+    /// Returns the verdict about the world with index `pass`. If `pass` is the number of worlds, the pairs are those
+    /// among bodies that are in all worlds.
+    Verdict verdict(std::int32_t pass) const {
+        return is_read_ ? decided_[static_cast<std::size_t>(pass)].verdict : Verdict::search;
+    }
+    /// Returns the marked groups of a world that an exact search has to decide, sorted by body and group. If there are
+    /// none, whole bodies must be searched.
+    std::span<const Mark> marked(std::int32_t pass) const {
+        return is_read_ ? std::span<const Mark>(decided_[static_cast<std::size_t>(pass)].marks)
+                        : std::span<const Mark>();
+    }
+    /// True if some world is a hit.
+    bool any_hit() const { return is_read_ && any_hit_; }
     const ShapeTree& tree(std::int32_t body) const { return *bodies_[static_cast<std::size_t>(body)].tree; }
     /// Returns the edges of a body, as in results.
     std::span<const Edge> edges(std::int32_t body) const {
@@ -59,20 +72,34 @@ class ClearWorlds {
     void release();
 
    private:
+    /// Verdict about a world, and its marks.
+    struct Decided {
+        Verdict verdict = Verdict::search;
+        std::vector<Mark> marks;
+    };
+    /// Walk of a task, and the pairs of groups that it lists.
+    struct Walk {
+        Walk(Cancellation& cancellation, MemoryMeter* meter) : near(cancellation, meter) {}
+        NearWalk near;
+        std::vector<NearWalk::Groups> groups;
+    };
     Bounds bounds(const NearBody& body) const;
     bool may_meet(std::int32_t a, std::int32_t b) const;
-    bool walk(std::int32_t a, std::int32_t b);
+    bool selects_pairs_within(std::int32_t pass) const;
+    void decide(Walk& walk, std::int32_t pass, Decided& decided) const;
+    bool mark(Walk& walk, std::int32_t a, std::int32_t b, std::vector<Mark>& marks) const;
 
     MemoryMeter& meter_;
+    Cancellation& cancellation_;
     ShapeTrees& trees_;
     const WorldOutline* outline_ = nullptr;
     const BodyFilter* rules_ = nullptr;
     bool is_read_ = false, step_ = false, subsets_ = false;
     double distance_ = 0;
     std::vector<NearBody> bodies_;
-    std::vector<Mark> marks_;
-    std::vector<NearWalk::Groups> groups_;  ///< scratch
-    NearWalk walk_;
+    std::vector<Decided> decided_;  ///< by world, then for the pairs among bodies that are in all worlds
+    std::atomic<bool> any_hit_ = false;
+    Pool<Walk> walks_;
     NearBodies near_;
 };
 

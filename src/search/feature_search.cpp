@@ -114,31 +114,40 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
         search_in_place(backend, query, result);
     } else {
         read_clear_worlds(backend, query);
+        clear_.decide(backend, is_any_output(query));
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
             cancellation_.check();
-            if (is_any_output(query) && result.any) break;
-            ClearWorlds::Verdict verdict = clear_.decide(pass);
-            if (extent(query) == Extent::any) {
-                if (verdict == ClearWorlds::Verdict::search)
-                    search_world(backend, pass, query, clear_.marked(), result);
-                else if (verdict == ClearWorlds::Verdict::hit)
-                    set_hit(world_of(pass), true, result);
-                continue;
+            if (is_any_output(query) && (clear_.any_hit() || result.any)) {
+                result.any = true;
+                break;
             }
-            // Rows need whole bodies, so the marked groups only decide whether there are any.
-            if (verdict == ClearWorlds::Verdict::search && !clear_.marked().empty() &&
-                !any_among(backend, pass, query, clear_.marked(), result))
-                verdict = ClearWorlds::Verdict::clear;
-            if (verdict == ClearWorlds::Verdict::clear)
-                append_features_of_clear_world(pass, result);
-            else
-                search_world(backend, pass, query, {}, result);
+            search_pass(backend, pass, query, result);
         }
     }
     if constexpr (!is_candidates<Query>)
         if (query.index && !bodies_ && extent(query) == Extent::all) index_lists(query, result);
     for (const auto& list : result.lists) result.count += static_cast<std::int64_t>(list.pairs.size());
     result.statistics.pairs = result.count;
+}
+
+template <class Query>
+void FeatureSearch::search_pass(BackendBase& backend, std::int32_t pass, const Query& query,
+                                typename Query::Result& result) {
+    using Verdict = ClearWorlds::Verdict;
+    const Verdict verdict = clear_.verdict(pass);
+    const std::span<const ClearWorlds::Mark> marked = clear_.marked(pass);
+    if (extent(query) == Extent::any) {
+        if (verdict == Verdict::search)
+            search_world(backend, pass, query, marked, result);
+        else
+            set_hit(world_of(pass), verdict == Verdict::hit, result);
+        return;
+    }
+    // Rows need whole bodies, so marked groups only decide whether there are any rows.
+    if (verdict == Verdict::clear || (!marked.empty() && !any_among(backend, pass, query, marked, result)))
+        append_features_of_clear_world(pass, result);
+    else
+        search_world(backend, pass, query, {}, result);
 }
 
 // No world is left out under a memory limit, where the trees would take memory from the scenes; for the reference

@@ -99,6 +99,8 @@ class FeatureSearch {
     void search_with_least(BackendBase& backend, const World& world, const ProximityQuery& query, Proximities& result);
     template <class Query>
     void search_in_place(BackendBase& backend, const Query& query, typename Query::Result& result);
+    template <class Query>
+    void search_pass(BackendBase& backend, std::int32_t pass, const Query& query, typename Query::Result& result);
     /// True if the marked groups of world `pass` have a pair of features that the query finds.
     template <class Query>
     bool any_among(BackendBase& backend, std::int32_t pass, Query query, std::span<const ClearWorlds::Mark> marked,

@@ -9,7 +9,7 @@
 
 #include "results/nearest_output.h"
 #include "scene/world_scene.h"
-#include "search/nearest_walk.h"
+#include "search/walks/nearest_walk.h"
 
 namespace crumple {
 namespace {
@@ -55,7 +55,7 @@ void NearestSearch::release() {
     rules_ = BodyFilter(&meter_);
     trees_.clear();
     of_call_.clear();
-    idle_.clear();
+    walks_.clear();
     box_.release();
     first_row_.release();
     kept_.release();
@@ -79,17 +79,19 @@ void NearestSearch::find(ParallelFor& workers, const World& world, const Distanc
     kept_.assign(rows, 0);
     const bool nearest = query.output == Output::nearest;
     std::atomic<std::int64_t> tests{0}, exact{0}, rational{0};
+    const auto make = [&] { return std::make_unique<NearestWalk>(outline_, rules_, cancellation_, &meter_); };
     const auto run = [&](std::size_t task) {
-        auto owned = acquire_walk();
-        NearestWalk& walk = *owned;
-        if (nearest) {
-            keep_nearest(walk, first_row_[task], first_row_[task + 1], answer);
-        } else {
-            for (std::size_t i = task * body_pairs_of_task; i < std::min(rows, (task + 1) * body_pairs_of_task); ++i)
-                kept_[i] = walk_row(walk, i, radius_, answer);
-        }
-        tests += walk.counts().tests, exact += walk.counts().exact, rational += walk.counts().rational;
-        give_back(std::move(owned));
+        walks_.with(make, [&](NearestWalk& walk) {
+            walk.clear_counts();
+            if (nearest) {
+                keep_nearest(walk, first_row_[task], first_row_[task + 1], answer);
+            } else {
+                const std::size_t end = std::min(rows, (task + 1) * body_pairs_of_task);
+                for (std::size_t i = task * body_pairs_of_task; i < end; ++i)
+                    kept_[i] = walk_row(walk, i, radius_, answer);
+            }
+            tests += walk.counts().tests, exact += walk.counts().exact, rational += walk.counts().rational;
+        });
     };
     const std::size_t tasks =
         nearest ? static_cast<std::size_t>(outline_.worlds()) : (rows + body_pairs_of_task - 1) / body_pairs_of_task;
@@ -165,24 +167,6 @@ void NearestSearch::number_rows(Distances& answer) const {
 
 const ShapeTree& NearestSearch::tree(std::int32_t body) const {
     return *trees_[static_cast<std::size_t>(outline_.body(body).shape)];
-}
-
-std::unique_ptr<NearestWalk> NearestSearch::acquire_walk() {
-    {
-        const std::lock_guard lock(mutex_);
-        if (!idle_.empty()) {
-            auto walk = std::move(idle_.back());
-            idle_.pop_back();
-            walk->clear_counts();
-            return walk;
-        }
-    }
-    return std::make_unique<NearestWalk>(outline_, rules_, cancellation_, &meter_);
-}
-
-void NearestSearch::give_back(std::unique_ptr<NearestWalk> walk) {
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(std::move(walk));
 }
 
 void NearestSearch::read_shapes() {

@@ -2,16 +2,16 @@
 
 // Finds the distances of bodies, on any backend that runs on the host: builds the trees of all shapes (or takes cached
 // ones of named shapes), lists the pairs of bodies that the filter selects and that may be near enough, and walks the
-// trees of each pair (search/nearest_walk.h), on all threads. If only the nearest pair of each world is requested, it
-// omits walks of pairs that are certainly farther apart than another pair. At first each pair of bodies has a row; rows
-// that turn out not to belong to the result are dropped at the end.
+// trees of each pair (search/walks/nearest_walk.h), on all threads. If only the nearest pair of each world is
+// requested, it omits walks of pairs that are certainly farther apart than another pair. At first each pair of bodies
+// has a row; rows that turn out not to belong to the result are dropped at the end.
 
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
+#include "base/pool.h"
 #include "crumple/distances.h"
 #include "scene/body_filter.h"
 #include "scene/shape_trees.h"
@@ -34,8 +34,6 @@ class NearestSearch {
     void release();
 
    private:
-    std::unique_ptr<NearestWalk> acquire_walk();
-    void give_back(std::unique_ptr<NearestWalk> walk);
     void read_shapes();
     void read_bodies();
     const ShapeTree& tree(std::int32_t body) const;
@@ -58,9 +56,8 @@ class NearestSearch {
     std::vector<std::unique_ptr<ShapeTree>> of_call_;  ///< trees of the current call, for shapes without a name
     Array<Bounds> box_;                                ///< by body: a box that contains all of its posed vertices
     Array<std::size_t> first_row_;  ///< by world: index of its first row before rows are dropped; then the end
-    std::mutex mutex_;
-    std::vector<std::unique_ptr<NearestWalk>> idle_;  ///< walks that no thread uses, for reuse; guarded by the mutex
-    Array<std::uint8_t> kept_;                        ///< by row: 1 if it belongs to the result
+    Pool<NearestWalk> walks_;
+    Array<std::uint8_t> kept_;  ///< by row: 1 if it belongs to the result
 };
 
 }  // namespace crumple

@@ -117,7 +117,9 @@ TEST(ClearWorlds, trees_decide_most_worlds) {
         ShapeTrees trees(meter);
         ClearWorlds worlds(meter, cancellation, trees);
         worlds.read(outline, filter, false, 0.7, true);
-        for (std::int32_t w = 0; w < outline.worlds(); ++w) ++counts[static_cast<std::size_t>(worlds.decide(w))];
+        ParallelFor one_thread;
+        worlds.decide(one_thread, false);
+        for (std::int32_t w = 0; w < outline.worlds(); ++w) ++counts[static_cast<std::size_t>(worlds.verdict(w))];
     }
     EXPECT_GT(counts[static_cast<std::size_t>(Verdict::clear)], 10);
     EXPECT_GT(counts[static_cast<std::size_t>(Verdict::hit)], 10);
@@ -136,7 +138,9 @@ TEST(ClearWorlds, release_frees_all_memory) {
     Cancellation cancellation;
     ClearWorlds worlds(meter, cancellation, trees);
     const std::int64_t before = meter.used;
-    worlds.read(outline, filter, true, 0, true);
+    worlds.read(outline, filter, false, 1, true);
+    ParallelFor one_thread;
+    worlds.decide(one_thread, false);
     trees.release();
     EXPECT_GT(meter.used, before);
     worlds.release();

@@ -1,4 +1,4 @@
-#include "search/nearest_walk.h"
+#include "search/walks/nearest_walk.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "search/near_walk.h"
+#include "search/walks/near_walk.h"
 
 #include "exact/distance/filtered_nearest.h"
 

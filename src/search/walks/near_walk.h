@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "crumple/array.h"
-#include "search/tree_pair_walk.h"
+#include "search/walks/tree_pair_walk.h"
 
 namespace crumple {
 
@@ -35,8 +35,6 @@ class NearWalk : private TreePairWalk {
     bool near(const NearBody& a, const NearBody& b, double distance, std::vector<Groups>& groups);
     /// Lists in `groups` all pairs of groups whose features may be at most `distance` apart at some time of the step.
     void near_in_step(const NearBody& a, const NearBody& b, double distance, std::vector<Groups>& groups);
-
-    using TreePairWalk::release;
 
    private:
     void begin(const NearBody& a, const NearBody& b, double distance, std::vector<Groups>& groups);

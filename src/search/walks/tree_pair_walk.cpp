@@ -1,4 +1,4 @@
-#include "search/tree_pair_walk.h"
+#include "search/walks/tree_pair_walk.h"
 
 namespace crumple {
 
@@ -12,13 +12,6 @@ void TreePairWalk::set_directions_of_step(double distance) {
     boxes_.emplace(a_.step, a_.tree->frame(), b_.step, b_.tree->frame());
     is_step_ = true;
     use_directions(distance);
-}
-
-void TreePairWalk::release() {
-    for (Side* side : {&a_, &b_}) {
-        side->forget();
-        side->leaves.release();
-    }
 }
 
 void TreePairWalk::use_directions(double distance) {

@@ -12,7 +12,7 @@
 #include "results/nearest_output.h"
 #include "scene/body_filter.h"
 #include "scene/world_outline.h"
-#include "search/tree_pair_walk.h"
+#include "search/walks/tree_pair_walk.h"
 
 namespace crumple {
 

@@ -35,8 +35,6 @@ struct PosedLeaf {
 class TreePairWalk {
    protected:
     TreePairWalk(Cancellation& cancellation, MemoryMeter* meter) : cancellation_(cancellation), a_(meter), b_(meter) {}
-    /// Frees all memory.
-    void release();
 
     /// Number of posed groups that are cached for each body, because walks visit the same groups repeatedly. This many
     /// fit in a core's cache.
