@@ -69,7 +69,7 @@ TEST_F(Machine, machine_can_have_little_memory) {
     check(cudaFree(memory));
 }
 
-TEST_F(Machine, any_allocation_can_fail) {
+TEST_F(Machine, chosen_allocation_fails_and_later_ones_succeed) {
     const std::size_t before = cuda_on_cpu::memory::live();
     settings().allocations_before_failure = 1;
     void *first = nullptr, *second = nullptr;
@@ -84,7 +84,7 @@ TEST_F(Machine, any_allocation_can_fail) {
 
 __global__ void nothing() {}
 
-TEST_F(Machine, any_launch_can_fail) {
+TEST_F(Machine, chosen_launch_fails_and_later_ones_succeed) {
     settings().launches_before_failure = 1;
     launch(nothing, 1, 1, 0);
     EXPECT_EQ(portable::try_launch(nullptr, nothing, 1, 1, 0), cudaErrorMemoryAllocation);
@@ -93,7 +93,7 @@ TEST_F(Machine, any_launch_can_fail) {
     check(cudaDeviceSynchronize());
 }
 
-TEST_F(Machine, permanent_error_is_returned_by_every_call) {
+TEST_F(Machine, permanent_error_persists_over_several_calls) {
     settings().broken = cudaErrorIllegalAddress;
     void* memory = nullptr;
     EXPECT_EQ(cudaMalloc(&memory, 4), cudaErrorIllegalAddress);
@@ -171,11 +171,15 @@ __global__ void third(float* out, float one) { *out = one / 3.0f; }
 TEST_F(Machine, kernels_round_to_nearest_in_any_mode_of_the_host) {
     const Array<float> out(1);
     const int before = std::fegetround();
-    std::fesetround(FE_DOWNWARD);
-    launch(third, 1, 1, 0, out.data(), 1.0f);
-    check(cudaDeviceSynchronize());
-    std::fesetround(before);
-    EXPECT_EQ(out.values()[0], 1.0f / 3.0f);
+    for (const int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO})
+        for (const bool negative : {false, true}) {
+            std::fesetround(mode);
+            launch(third, 1, 1, 0, out.data(), negative ? -1.0f : 1.0f);
+            check(cudaDeviceSynchronize());
+            std::fesetround(before);
+            constexpr float nearest = 1.0f / 3.0f;
+            EXPECT_EQ(out.values()[0], negative ? -nearest : nearest) << "mode " << mode;
+        }
 }
 
 TEST_F(Machine, invalid_setting_is_an_error) {

@@ -93,7 +93,7 @@ def boxes_overlap(points, split, end_points, radius):
     "kind, split", [("face_vertex", 1), ("edge_edge", 2), ("edge_vertex", 1), ("vertex_vertex", 1)]
 )
 @pytest.mark.parametrize("moving", [False, True])
-def test_box_candidates_are_ipctks_whose_exact_boxes_overlap(kind, split, moving):
+def test_box_candidates_are_those_of_ipctk_whose_exact_boxes_overlap(kind, split, moving):
     vertices, edges, faces = scene()
     radius = 0.04
     end = columns(vertices + 0.1 * np.random.default_rng(2).random(vertices.shape)) if moving else None
@@ -108,7 +108,7 @@ def test_box_candidates_are_ipctks_whose_exact_boxes_overlap(kind, split, moving
     assert len(found[1]) > 3
 
 
-def test_box_candidates_give_the_step_and_intersections_of_ipctk():
+def test_box_candidates_give_step_size_and_has_intersections_of_ipctk():
     vertices, edges, faces = scene(rods=False)
     end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
     mesh, answers = ipctk.CollisionMesh(vertices, edges, faces), []
@@ -120,7 +120,7 @@ def test_box_candidates_give_the_step_and_intersections_of_ipctk():
     assert answers[0] == answers[1] and 0 < answers[0][0] < 1 and min(answers[0][2]) > 0
 
 
-def test_steps_are_exact_and_no_shorter_than_ipctks():
+def test_step_ends_at_the_first_impact_and_is_no_shorter_than_ipctks():
     vertices, edges, faces = scene(rods=False)
     end = columns(vertices + 0.02 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
     mesh, candidates, steps = ipctk.CollisionMesh(vertices, edges, faces), ipctk.Candidates(), []
@@ -152,7 +152,7 @@ def test_step_with_minimum_distance_ends_at_the_first_impact():
     assert first == toi_of(crumple.first_impact(vertices, end, faces, min_distance=least / 2)) > 0
 
 
-def test_step_with_rods_is_the_same_for_either_broad_phase():
+def test_step_with_rods_is_the_same_with_the_broad_phase_of_ipctk():
     vertices, edges, faces = scene()
     end = columns(vertices + 0.3 * (np.random.default_rng(2).random(vertices.shape) - 0.5))
     mesh = ipctk.CollisionMesh(vertices, edges, faces)
@@ -219,7 +219,7 @@ BOTH = np.array([[0, 1, 2], [3, 4, 5]])
 
 
 @pytest.mark.parametrize("faces, rods", [(BOTH, []), (BOTH[:1], [[3, 4]]), (BOTH[:1], [[4, 5]]), (BOTH[:0], [[3, 4]])])
-def test_intersections_with_rods_match_brute_force(faces, rods):
+def test_has_intersections_matches_brute_force_with_and_without_rods(faces, rods):
     edges = np.array([*ipctk.edges(faces).tolist(), *rods]) if len(faces) else np.array(rods)
     mesh = ipctk.CollisionMesh(CROSSED, edges, faces)
     theirs = ipctk.has_intersections(mesh, columns(CROSSED), broad_phase=ipctk.BruteForce())
@@ -296,7 +296,7 @@ def test_narrow_phase_is_exact_and_needs_one_thread():
 
 
 @pytest.mark.skipif(not DATA.exists(), reason=f"no frames in {DATA}")
-def test_cloth_frames_give_exact_steps_no_shorter_than_ipctks():
+def test_cloth_step_ends_at_the_first_impact_and_is_no_shorter_than_ipctks():
     first, second = (crumple.read_mesh(DATA / "cloth-funnel" / "frames" / f"{frame}.ply") for frame in (227, 228))
     start, end = columns(first.vertices.astype(float)), columns(second.vertices.astype(float))
     mesh = ipctk.CollisionMesh(start, columns(ipctk.edges(columns(first.faces))), columns(first.faces))

@@ -40,7 +40,7 @@ def same(found: crumple.Intersections, expected: crumple.Intersections) -> None:
 
 @pytest.mark.installed
 @pytest.mark.parametrize("name", SCENES)
-def test_results_equal_those_of_the_command_line(name, tmp_path, detector):
+def test_intersections_equal_those_of_the_command_line(name, tmp_path, detector):
     crumple.write_mesh(tmp_path / "mesh.ply", small(name, 3000))
     command = [sys.executable, "-m", "crumple", "detect", "mesh.ply", "--contacts", "-o", "answer.npz"]
     subprocess.run(command, cwd=tmp_path, check=True)

@@ -86,7 +86,7 @@ def test_arrays_are_read_only_unless_copied():
     assert_same(crumple.candidates(START, FACES, end=END), found)
 
 
-def test_copies_and_pickles_keep_the_candidates():
+def test_copied_and_pickled_candidates_equal_the_original():
     found = crumple.candidates(START, FACES, end=END, kinds=KINDS)
     for other in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
         assert_same(other, found)
@@ -123,8 +123,12 @@ def test_candidates_of_a_world_match_those_of_the_joined_mesh(either):
     found = either.candidates(world, kinds=KINDS, inflation=0.05)
     whole = either.candidates(vertices, faces, kinds=KINDS, inflation=0.05)
     assert found.count == whole.count and len(found.first_edge) == 3
-    rows = zip(found.face_faces.tolist(), found.face_face_bodies.tolist())
-    assert sorted([a + p * half, b + q * half] for (a, b), (p, q) in rows) == whole.face_faces.tolist()
+    start = {"vertex": [0, len(used[0])], "edge": found.first_edge, "face": [0, half]}
+    for kind in KINDS:
+        first, second = kind.split("_")
+        rows = zip(getattr(found, LISTS[kind]).tolist(), getattr(found, f"{kind}_bodies").tolist())
+        joined = sorted([a + start[first][p], b + start[second][q]] for (a, b), (p, q) in rows)
+        assert joined == getattr(whole, LISTS[kind]).tolist()
     apart = either.candidates(world, kinds="face_face", inflation=0.05, filter=crumple.PairFilter(bodies="between"))
     assert apart.face_face_bodies.tolist() == [[0, 1]] * len(apart)
     assert not either.candidates(world, filter=crumple.PairFilter(excluded_bodies=[{"a", "b"}], bodies="between"))

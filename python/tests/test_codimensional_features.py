@@ -45,7 +45,7 @@ def test_point_that_moves_into_two_rods_has_an_impact_with_each(either):
 
 
 @pytest.mark.parametrize("dtype", [np.int32, np.int64, np.uint8, ">i4"])
-def test_listing_the_features_of_a_mesh_changes_no_pairs(dtype, either):
+def test_listing_the_edges_and_vertices_of_a_mesh_changes_no_near_pairs(dtype, either):
     mesh = soup(14, size=0.5, dtype=np.float64)
     plain = either.proximities(mesh, radius=0.1)
     edges = plain.edges.astype(dtype)

@@ -7,6 +7,7 @@ The memory of that device is host memory.
 import ctypes
 import gc
 import os
+import weakref
 
 import numpy as np
 import pytest
@@ -81,7 +82,7 @@ def test_intersections_of_device_arrays_of_several_types_match_the_cpu(cuda, cpu
     assert_same(cuda.intersections(mesh_on_device(crumple.Mesh(*mesh)), output="contacts"), expected)
 
 
-def test_detector_accepts_a_list_of_devices(cuda, cpu):
+def test_option_devices_accepts_a_list_of_one_device(cuda, cpu):
     """A list of one device works like the option `device`. C++ tests cover several devices, on emulated ones."""
     listed = crumple.Detector(backend="cuda", devices=[0])
     assert_same(listed.intersections(MESH), cpu.intersections(MESH))
@@ -95,12 +96,12 @@ def test_detector_accepts_a_list_of_devices(cuda, cpu):
 
 @pytest.mark.skipif(ON_CPU, reason="their arrays need a device")
 @pytest.mark.parametrize("place", [_cupy, _jax])
-def test_arrays_of_cupy_and_jax_match_the_cpu(cuda, cpu, place):
+def test_intersections_of_cupy_and_jax_arrays_match_the_cpu(cuda, cpu, place):
     mesh = crumple.Mesh(*map(place, MESH[:2]))
     assert_same(cuda.intersections(mesh, output="contacts"), cpu.intersections(*MESH[:2], output="contacts"))
 
 
-def test_strided_device_arrays_match_the_cpu(cuda, cpu):
+def test_intersections_of_strided_device_arrays_match_the_cpu(cuda, cpu):
     columns, rows = on_device(MESH.vertices.T), on_device(np.repeat(MESH.faces, 2, axis=0))
     mesh = (OnDevice(columns.array.T), OnDevice(rows.array[::2])) if ON_CPU else (columns.T, rows[::2])
     assert_same(cuda.intersections(*mesh), cpu.intersections(*MESH[:2]))
@@ -156,9 +157,13 @@ def test_arrays_on_another_device_are_refused(cuda):
         cuda.intersections(*mesh)
 
 
-def test_two_meshes_must_be_in_the_same_memory(cuda):
-    with pytest.raises(crumple.InvalidInput, match="the second mesh must be in device memory, like the first mesh"):
-        cuda.intersections(mesh_on_device(MESH), OTHER)
+def test_intersections_of_a_host_mesh_and_a_device_mesh_are_refused(cuda):
+    for meshes, memory in (
+        ([mesh_on_device(MESH), OTHER], "device memory, like the first mesh"),
+        ([OTHER, mesh_on_device(MESH)], "host memory, not in device memory"),
+    ):
+        with pytest.raises(crumple.InvalidInput, match=f"^the second mesh must be in {memory}$"):
+            cuda.intersections(*meshes)
 
 
 def test_pairs_can_be_saved_but_device_meshes_cannot(cuda, tmp_path):
@@ -232,7 +237,7 @@ def test_feature_queries_of_device_arrays_match_the_cpu(cuda, cpu):
     assert cuda.free_step(start, end, faces).share == cpu.free_step(START, END, FACES).share
 
 
-def test_end_radii_and_points_must_be_in_the_memory_of_the_mesh(cuda):
+def test_end_radii_and_points_on_the_host_are_refused_for_a_device_mesh(cuda):
     start, end, faces = map(on_device, (START, END, FACES))
     with pytest.raises(crumple.InvalidInput, match="^end vertices lie in host memory, but vertices in"):
         cuda.impacts(start, END, faces)
@@ -272,10 +277,13 @@ def test_results_of_launches_match_the_cpu(cuda, cpu):
 
 def test_launch_keeps_its_arrays_alive(cuda, cpu):
     """The detector keeps the arrays of a launch alive, even if the caller drops them."""
-    mesh = crumple.Mesh(on_device(START), on_device(FACES)).moving_to(on_device(END))
+    arrays = [on_device(array) for array in (START, FACES, END)]
+    mesh = crumple.Mesh(*arrays[:2]).moving_to(arrays[2])
+    memory = [weakref.ref(array.array) for array in arrays] if ON_CPU else []
     launched = cuda.launch(mesh, crumple.ImpactQuery())
-    del mesh
+    del arrays, mesh
     gc.collect()
+    assert all(of() is not None for of in memory)
     assert_shows(launched.wait(), cpu.impacts(START, END, FACES), IMPACTS)
 
 
@@ -320,7 +328,7 @@ RADII, EDGES, POINTS = np.linspace(0.01, 0.1, len(START)), np.array([[0, 5]], np
         ),
     ],
 )
-def test_searches_read_arrays_that_are_ready_on_the_default_stream(cuda, given, search):
+def test_searches_make_arrays_ready_once_on_the_default_stream(cuda, given, search):
     producers = [Producer(array) for array in given]
     search(cuda, *producers)
     assert_each_was_ready_once(producers, 1)
@@ -343,7 +351,7 @@ STREAMS += [(2, 2), (PyTorchStream(2), 2), (CuPyStream(2), 2)] if ON_CPU else []
 
 
 @pytest.mark.parametrize(("stream", "number"), STREAMS)
-def test_launches_read_arrays_that_are_ready_on_their_stream(cuda, cpu, stream, number):
+def test_launches_make_arrays_ready_once_on_their_stream(cuda, cpu, stream, number):
     vertices, end, faces, radii, rest, edges, points = producers = [
         Producer(array) for array in (START, END, FACES, RADII, END, EDGES, POINTS)
     ]
@@ -371,7 +379,7 @@ def test_launches_read_arrays_that_are_ready_on_their_stream(cuda, cpu, stream, 
 
 
 @pytest.mark.parametrize(("stream", "number"), STREAMS)
-def test_both_meshes_of_a_launch_are_ready_on_its_stream(cuda, cpu, stream, number):
+def test_launch_of_two_meshes_makes_their_arrays_ready_once_on_its_stream(cuda, cpu, stream, number):
     producers = [Producer(array) for array in (*MESH, *OTHER[:2])]
     launched = cuda.launch([crumple.Mesh(*producers[:3]), crumple.Mesh(*producers[3:])], stream=stream)
     assert_each_was_ready_once(producers, number)
@@ -388,7 +396,7 @@ def test_stream_with_a_huge_address_is_passed_to_dlpack(cuda):
 
 
 @pytest.mark.skipif(ON_CPU, reason="PyTorch has no device")
-def test_launches_on_a_stream_of_pytorch_read_what_it_has_written(cuda, cpu):
+def test_launches_and_searches_wait_for_writes_on_a_pytorch_stream(cuda, cpu):
     torch = pytest.importorskip("torch")
     start, end, faces = map(on_device, (START, END, FACES))
     mesh, late, stream = crumple.Mesh(start, faces), torch.zeros_like(end), torch.cuda.Stream()
@@ -479,7 +487,7 @@ def worlds_of(count, scalar):
         ("contacts", ["bodies", "pairs"]),
     ],
 )
-def test_worlds_with_device_poses_match_the_cpu(cuda, cpu, scalar, output, names):
+def test_intersections_of_worlds_with_device_poses_match_the_cpu(cuda, cpu, scalar, output, names):
     world, poses = worlds_of(5, scalar)
     query = crumple.IntersectionQuery(output=output)
     expected = cpu.find(world.at(poses), query)
@@ -487,6 +495,8 @@ def test_worlds_with_device_poses_match_the_cpu(cuda, cpu, scalar, output, names
         found = cuda.find(world.at(on_device(poses)), query)
         for name in names:
             np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+        if output == "contacts":
+            assert found.contacts.points.tobytes() == expected.contacts.points.tobytes()
     counts = crumple.IntersectionQuery(output="count")
     world.poses = on_device(poses)
     assert cuda.find(world, counts).count == cpu.find(world.at(poses), counts).count > 0
@@ -512,7 +522,7 @@ def test_launches_of_worlds_match_the_cpu(cuda, cpu, scalar):
         cuda.launch(world.at(poses))
 
 
-def test_searches_read_poses_that_are_ready_on_the_default_stream(cuda):
+def test_searches_make_poses_ready_once_on_the_default_stream(cuda):
     world, poses = worlds_of(3, np.float64)
     start, end = Producer(poses), Producer(poses)
     posed, moving = world.at(start), world.at(start, end)
@@ -528,7 +538,7 @@ def test_searches_read_poses_that_are_ready_on_the_default_stream(cuda):
         assert_each_was_ready_once(producers, 1)
 
 
-def test_each_search_reads_the_poses_of_a_world_anew(cuda):
+def test_each_search_makes_the_poses_of_a_world_ready_anew(cuda):
     """Each search makes the poses ready anew, because they may be written to between searches, on any stream."""
     world, poses = worlds_of(3, np.float64)
     world.poses = producer = Producer(poses)
@@ -540,7 +550,7 @@ def test_each_search_reads_the_poses_of_a_world_anew(cuda):
 
 
 @pytest.mark.parametrize(("stream", "number"), STREAMS)
-def test_launches_of_worlds_read_poses_that_are_ready_on_their_stream(cuda, cpu, stream, number):
+def test_launches_of_worlds_make_poses_ready_once_on_their_stream(cuda, cpu, stream, number):
     world, poses = worlds_of(3, np.float64)
     expected = cpu.intersections(world.at(poses))
     world.poses = own = Producer(poses)

@@ -62,7 +62,7 @@ def test_main_sections_of_the_documentation_have_programs():
 @pytest.mark.parametrize(
     "page, heading, programs", SECTIONS, ids=[f"{page}: {heading}" for page, heading, _ in SECTIONS]
 )
-def test_programs_of_the_documentation_run(page, heading, programs, tmp_path, monkeypatch):
+def test_programs_of_main_documentation_pages_run(page, heading, programs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     start = next(programs for other, _, programs in SECTIONS if other == page)
     for package in re.findall(r"^import (\w+)", "\n".join([*start, *programs]), flags=re.M):

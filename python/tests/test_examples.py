@@ -34,7 +34,7 @@ ANIMATED = {"cloth_that_never_passes_through_itself"}
 WITHOUT_PICTURE = {"parts_in_processes", "ipc_toolkit", "cloth_on_a_device", "ranks"}
 
 
-def test_every_example_is_tested():
+def test_every_python_example_is_tested():
     assert {path.stem for path in EXAMPLES.glob("*.py")} == set(SAYS)
 
 

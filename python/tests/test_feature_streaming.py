@@ -95,7 +95,8 @@ def test_blocks_of_worlds_are_the_whole_result(detector):
         whole = detector.find(world, query)
         blocks = gathered(detector, world, query, 300)
         assert len(blocks) > 2
-        names = [*PAIRS[:2], *(name for name in BODIES[:2])]
+        values = [name for name in LISTS[type(whole).__name__] if name.startswith(("vertex_face_", "edge_edge_"))]
+        names = [*PAIRS[:2], *BODIES[:2], *values]
         expected = in_order({name: getattr(whole, name) for name in names})
         for name, rows in in_order(joined(blocks, names)).items():
             np.testing.assert_array_equal(rows, expected[name], name)

@@ -90,9 +90,18 @@ def test_error_names_the_bad_file(tmp_path):
 
 def test_extension_decides_the_format_of_a_saved_result(tmp_path, crossing, detector):
     result = detector.intersections(crossing, output="contacts")
-    for name in ("pairs.txt", "pairs.csv", "pairs.json", "pairs.npz", "mesh.ply", "mesh.obj", "mesh.glb", "mesh.html"):
+    for name, start in {
+        "pairs.txt": b"0 1 segment ",
+        "pairs.csv": b"a,b,kind,",
+        "pairs.json": b"{",
+        "pairs.npz": b"PK",
+        "mesh.ply": b"ply\n",
+        "mesh.obj": b"mtllib mesh.mtl\n",
+        "mesh.glb": b"glTF",
+        "mesh.html": b"<!DOCTYPE html>",
+    }.items():
         result.save(tmp_path / name)
-        assert (tmp_path / name).stat().st_size > 0
+        assert (tmp_path / name).read_bytes().startswith(start)
     for name in ("pairs.txt", "pairs.csv", "pairs.json", "pairs.npz"):
         assert crumple.read_pairs(tmp_path / name).tolist() == [[0, 1]]
     assert json.loads((tmp_path / "pairs.json").read_text())["pairs"] == [[0, 1]]
@@ -132,7 +141,7 @@ def test_files_are_written_from_host_memory_only(tmp_path, crossing, detector):
 
 
 @pytest.mark.parametrize("extension", ["ply", "obj", "glb", "html"])
-def test_result_cannot_be_saved_if_its_lists_changed_after_the_search(extension, tmp_path, crossing, detector):
+def test_saving_a_mesh_is_refused_if_the_input_lists_have_changed(extension, tmp_path, crossing, detector):
     def changed(change):
         vertices, faces = crossing.vertices.tolist(), crossing.faces.tolist()
         result = detector.intersections(vertices, faces)
@@ -152,8 +161,10 @@ def test_result_cannot_be_saved_if_its_lists_changed_after_the_search(extension,
 
 @pytest.mark.parametrize("name", ["mesh.PLY", "mesh.GLB", "pairs.CSV", "pairs.Npz", "page.HTML"])
 def test_extensions_may_be_upper_case(name, tmp_path, crossing, detector):
-    detector.intersections(crossing).save(tmp_path / name)
-    assert (tmp_path / name).stat().st_size > 0
+    result, lower = detector.intersections(crossing), tmp_path / f"lower_{name.lower()}"
+    for path in (tmp_path / name, lower):
+        result.save(path)
+    assert (tmp_path / name).read_bytes()[:4] == lower.read_bytes()[:4]
 
 
 @pytest.mark.parametrize("extension", ["txt", "csv", "json", "npz", "ply", "obj", "glb", "html", "png"])

@@ -43,7 +43,7 @@ def beside(offset, count=6):
     return start, end, np.concatenate([FACES, FACES + count])
 
 
-def test_with_held_vertices_only_those_of_an_impact_are_held_back(either):
+def test_option_held_vertices_holds_back_only_vertices_of_an_impact(either):
     start, end, faces = beside(5)
     whole = either.free_step(start, end, faces)
     assert whole.vertex_shares is None and whole.share < 0.5

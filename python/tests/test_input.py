@@ -66,7 +66,7 @@ def test_faces_may_be_flat(index, tmp_path, detector):
         assert not detector.intersections(MESH.vertices, none)
 
 
-def test_flat_faces_are_not_copied(detector):
+def test_flat_faces_of_int32_are_not_copied(detector):
     """A broadcast index takes four bytes; a copy of sixty million would take 240 MB."""
     import resource
 
@@ -77,7 +77,7 @@ def test_flat_faces_are_not_copied(detector):
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000  # KiB
 
 
-def test_flat_faces_that_look_like_cells_are_refused_but_not_rows(detector):
+def test_flat_faces_that_look_like_cells_are_refused_but_faces_in_rows_are_not(detector):
     tetrahedron = np.array([[3, 0, 1], [0, 3, 2], [1, 2, 3], [0, 1, 2]])
     with pytest.raises(crumple.InvalidInput, match="^faces look like cells"):
         detector.intersections(MESH.vertices[:4], tetrahedron.ravel())
@@ -85,7 +85,7 @@ def test_flat_faces_that_look_like_cells_are_refused_but_not_rows(detector):
     assert not detector.intersections(MESH.vertices[:4], tetrahedron[::-1].ravel())
 
 
-def test_tested_layouts_have_the_strides_of_their_names():
+def test_tested_layouts_include_packed_negative_and_gapped_strides():
     packed = LAYOUTS["packed records"](MESH.vertices)
     assert packed.strides[0] % packed.itemsize != 0
     assert LAYOUTS["backwards"](MESH.vertices).strides[0] < 0

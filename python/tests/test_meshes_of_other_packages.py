@@ -58,12 +58,12 @@ def test_meshes_of_other_packages_give_the_same_pairs(make, detector):
         (pyvista_mesh, lambda mesh: mesh.points),
     ],
 )
-def test_vertices_are_not_copied(make, theirs):
+def test_vertices_of_meshes_of_other_packages_are_not_copied(make, theirs):
     mesh = make()
     assert np.shares_memory(np.from_dlpack(crumple.as_mesh(mesh).vertices), theirs(mesh))
 
 
-def test_meshio_quadrilaterals_are_split_and_other_cells_refused():
+def test_meshio_quadrilaterals_are_split_and_tetrahedra_refused():
     meshio = peer("meshio")
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.7, 0.2, -1], [0.7, 0.2, 1], [0.9, 0.2, 1]])
     mesh = meshio.Mesh(points, [("quad", [[0, 1, 2, 3]]), ("triangle", [[4, 5, 6]])])
@@ -126,7 +126,7 @@ def test_pyvista_polygons_are_refused():
     assert len(crumple.intersections(sphere).pairs) == 0
 
 
-def test_tuples_and_meshes_are_accepted_and_others_refused():
+def test_as_mesh_accepts_meshes_and_tuples_but_no_number_path_or_lone_array():
     assert crumple.as_mesh(MESH) is MESH
     assert crumple.as_mesh((MESH.vertices, MESH.faces)).groups is None
     vertices, faces, groups = crumple.Mesh(1, 2, 3)

@@ -450,7 +450,7 @@ def test_one_unposed_body_gives_the_impacts_of_its_mesh(either):
     assert found.vertex_face_bodies.shape == found.vertex_faces.shape and not found.vertex_face_bodies.any()
 
 
-def test_configurations_give_the_results_of_one_search_each(detector):
+def test_configurations_give_the_first_impacts_of_separate_searches(detector):
     random = np.random.default_rng(3)
     shape, far = soup(6, size=0.5, dtype=np.float64), 2.5
     base = crumple.World(

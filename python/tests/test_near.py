@@ -35,7 +35,7 @@ def test_strict_excludes_pairs_at_the_radius(either):
     assert not either.proximities(START, FACES, radius=np.nextafter(1, 0))
 
 
-def test_distance_that_underflows_is_not_touching(either):
+def test_squared_distance_that_underflows_to_zero_is_not_touching(either):
     vertices = START.copy()
     vertices[3, 2] = 0
     found = either.proximities(vertices, FACES, radius=0)
@@ -79,7 +79,7 @@ def test_least_distance_of_each_feature_is_rounded_down(either):
     assert np.flatnonzero(np.isfinite(found.edge_distance)).tolist() == np.unique(found.edge_edges).tolist()
 
 
-def test_function_of_the_module_needs_no_detector():
+def test_module_function_finds_near_pairs_without_a_detector():
     assert crumple.proximities(START, FACES, radius=1).vertex_faces.tolist() == [[3, 0]]
     assert crumple.proximities((START, FACES), radius=1, output="any")
     assert crumple.proximities(
@@ -126,12 +126,19 @@ def test_index_lists_the_near_pairs_of_each_feature(either):
 
 
 def test_least_distances_respect_group_filters(either):
-    mesh = soup(10, size=0.5)
-    found = either.proximities(
-        mesh, groups=np.arange(10) % 2, radius=0.5, least=True, filter=crumple.PairFilter(groups="between")
-    )
-    assert found and len(found.vertex_distance) == len(mesh.vertices)
-    assert np.flatnonzero(np.isfinite(found.vertex_distance)).tolist() == np.unique(found.vertex_faces[:, 0]).tolist()
+    mesh, groups = soup(10, size=0.5), np.arange(10) % 2
+    found = either.proximities(mesh, groups=groups, radius=0.5, least=True, filter=crumple.PairFilter(groups="between"))
+    assert found and (groups[found.vertex_faces[:, 0] // 3] != groups[found.vertex_faces[:, 1]]).all()
+    first, second = groups[found.edges[found.edge_edges][:, :, 0] // 3].T
+    assert (first != second).all()
+    for distances, features, squares in (
+        (found.vertex_distance, found.vertex_faces[:, :1], found.vertex_face_squared_distance),
+        (found.face_distance, found.vertex_faces[:, 1:], found.vertex_face_squared_distance),
+        (found.edge_distance, found.edge_edges, found.edge_edge_squared_distance),
+    ):
+        least = np.full(len(distances), np.inf)
+        np.minimum.at(least, features, squares[:, None])
+        np.testing.assert_allclose(distances**2, least)
 
 
 @pytest.mark.parametrize(
@@ -250,7 +257,7 @@ def test_near_pairs_of_worlds_match_brute_force(question, detector, reference):
         assert hit.tolist() == expected.world_hit.tolist()
 
 
-def test_end_vertices_and_end_poses_are_ignored(either):
+def test_near_pairs_ignore_end_vertices_and_end_poses(either):
     far = START.copy()
     far[3:, 2] += 9
     still = crumple.World([(START, FACES)], self_collisions=True)

@@ -168,6 +168,8 @@ def test_invalid_queries_and_poses_are_refused(either, question, message):
 def test_distances_need_a_world_or_two_meshes():
     with pytest.raises(crumple.InvalidInput, match=r"distances need bodies: a world or two meshes"):
         crumple.distances(SQUARE)
+    assert crumple.distances(SQUARE, SQUARE).bodies.tolist() == [[0, 1]]
+    assert crumple.distances(crumple.World([SQUARE, SQUARE])).bodies.tolist() == [[0, 1]]
     with pytest.raises(TypeError, match="Did you mean 'radius'"):
         crumple.distances(crumple.World([SQUARE]), radios=1)
 

@@ -125,7 +125,7 @@ def test_only_bodies_of_the_same_world_overlap(detector):
     assert detector.overlaps(world, self_overlaps=True).is_solid.tolist() == [True] * 3
 
 
-def test_open_surfaces_are_refused_unless_skipped_or_welded(detector):
+def test_open_surfaces_are_refused_by_default_and_may_be_skipped_or_welded(detector):
     opened = crumple.Mesh(CORNERS, FACES[1:])
     with pytest.raises(crumple.InvalidInput, match="body 1: its surface is not closed: 3 edges .* of triangle "):
         detector.overlaps(UNIT, opened)
@@ -194,7 +194,7 @@ def area_of(mesh):
 
 
 @pytest.mark.parametrize("name", ["a.html", "a.glb", "a.3mf", "a.obj", "a.ply"])
-def test_pictures_show_the_surface_of_the_overlap(detector, tmp_path, name):
+def test_ply_picture_has_the_overlap_and_other_pictures_both_bodies(detector, tmp_path, name):
     other = box([0.5, 0.25, 0.125])  # the overlap is a box of 1/2 x 3/4 x 7/8
     detector.overlaps(UNIT, other).save(tmp_path / name, UNIT, other)
     world = crumple.World([UNIT], [0, 0], poses=np.array([np.eye(4), np.eye(4)]), names=["a", "b"])
@@ -225,7 +225,7 @@ def test_a_picture_of_open_surfaces_shows_their_curves(detector, tmp_path):
     assert "crossing of surfaces" in page and '"opaque": 0,' in page
 
 
-def test_invalid_pictures_are_refused(detector, tmp_path):
+def test_picture_with_wrong_suffix_scene_or_output_is_refused(detector, tmp_path):
     found = detector.overlaps(UNIT, box([0.5, 0, 0]))
     with pytest.raises(crumple.InvalidInput, match="saved as .html, .glb, .3mf, .obj or .ply"):
         found.save(tmp_path / "a.csv", UNIT, box([0.5, 0, 0]))

@@ -24,7 +24,7 @@ def heading_anchors(page):
     return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
-def test_every_page_has_a_program_and_its_output():
+def test_readme_and_start_pages_have_programs_with_their_output():
     assert [page.stem for page in PAGES] == ["README", *(f"start_{name}" for name in STARTS)]
     assert {program.page for program in PROGRAMS} == set(PAGES)
     for program in PROGRAMS:
@@ -33,21 +33,21 @@ def test_every_page_has_a_program_and_its_output():
     assert in_cpp == ["README.md: #include <cstdio>", "start_cpp.md: #include <cstdio>"]
 
 
-def test_readme_links_to_each_page():
+def test_readme_links_to_each_start_page():
     text = (TOP / "README.md").read_text()
     for page in PAGES[1:]:
         assert f"(docs/{page.name})" in text
 
 
 @pytest.mark.parametrize("program", HERE, ids=name_of)
-def test_program_prints_the_output_on_its_page(program, tmp_path):
+def test_python_or_shell_program_prints_the_output_on_its_page(program, tmp_path):
     done = run(program, tmp_path)
     assert done.returncode == 0, done.stdout
     assert without_times(done.stdout) == without_times(program.prints)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_targets_of_pictures_and_links_exist(page):
+def test_targets_of_local_links_and_pictures_exist(page):
     links = re.findall(r"\]\(([^)#:]*)(?:#([^):]*))?\)", page.read_text())
     assert links
     for target, anchor in links:

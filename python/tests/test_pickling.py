@@ -80,6 +80,10 @@ def test_copied_or_pickled_results_without_pairs_are_equal(output, detector):
         for found in (pickle.loads(pickle.dumps(result)), copy.copy(result), copy.deepcopy(result)):
             assert repr(found) == repr(result) and found.any is result.any is True and len(found) == 0
             assert found.statistics == result.statistics
+            if output == "count":
+                assert found.count == result.count
+            if output == "body_pairs":
+                assert found.bodies.tolist() == result.bodies.tolist()
             with pytest.raises(crumple.InvalidInput, match=r'pairs was not requested: .*output="pairs"'):
                 _ = found.pairs
         if output == "count":
@@ -333,7 +337,10 @@ def test_pickle_with_corrupt_arrays_is_refused_or_consistent(tmp_path):
         except crumple.InvalidInput:
             continue
         whole += 1
-        assert found.offsets[-1] == len(found.pairs) and len(list(found.contacts)) == len(found)
+        first, second = found.pairs.T
+        assert np.repeat(np.arange(len(found.hit)), np.diff(found.offsets)).tolist() == first.tolist()
+        assert (first < second).all() and found.hit.nonzero()[0].tolist() == np.unique(found.pairs).tolist()
+        assert len(list(found.contacts)) == len(found) and np.isfinite(found.contacts.points).all()
         for name in ("pairs.npz", "mesh.glb", "mesh.html"):
             with contextlib.suppress(crumple.InvalidInput), np.errstate(all="ignore"):
                 found.save(tmp_path / name)

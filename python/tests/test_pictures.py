@@ -21,7 +21,7 @@ def test_colliding_triangles_are_coloured(crossing, detector):
 
 
 def test_area_contact_is_drawn_as_lines_and_touching_as_a_point(detector):
-    """A coplanar overlap is drawn with three lines, a crossing with one, and a touching point with none."""
+    """This coplanar overlap, a triangle, is drawn with three lines, and a touching point with none."""
     vertices = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 0], [2, 1, 0], [1, 2, 0]]
     area = detector.intersections(vertices, [[0, 1, 2], [3, 4, 5]], output="contacts")
     assert drawing_of(area._painted()).lines.shape == (3, 2, 3) and not len(drawing_of(area._painted()).points)
@@ -49,7 +49,7 @@ def test_all_contacts_of_a_scene_are_drawn(detector):
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-300, 8e307])
-def test_html_has_finite_corners_and_colours_at_extreme_scales(scale, crossing, detector):
+def test_html_picture_has_finite_corners_at_extreme_scales(scale, crossing, detector):
     result = detector.intersections(crumple.Mesh(crossing.vertices * (scale / 9), crossing.faces), output="contacts")
     text = result.to_html(height=333)
     assert "@" not in re.sub(r"const data = .*", "", text) and "height:333px" in text

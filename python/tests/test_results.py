@@ -193,7 +193,7 @@ def test_inputs_are_released_after_queries_and_errors(detector):
 
 
 def test_loop_over_frames_uses_memory_of_two_results(detector):
-    """A loop that keeps one result at a time allocates nothing once it is warm."""
+    """A loop that keeps one result at a time has the pairs of all results in the same two arrays, once it is warm."""
     mesh = soup(2000)
     addresses = []
     result = None
@@ -204,7 +204,7 @@ def test_loop_over_frames_uses_memory_of_two_results(detector):
     assert result.statistics.pairs == len(result)
 
 
-def test_freeing_results_in_random_order_keeps_the_others_correct(detector):
+def test_freeing_results_in_random_order_does_not_change_the_others(detector):
     random = np.random.default_rng(5)
     held, mesh = [], [soup(int(n), seed=int(n)) for n in random.integers(1, 400, 10)]
     expected = [crumple.intersections(m).pairs.tolist() for m in mesh]

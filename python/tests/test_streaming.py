@@ -80,15 +80,17 @@ def test_consumer_of_blocks_cannot_call_the_detector():
 
 def test_cancel_ends_a_stream_between_blocks():
     detector = crumple.Detector(threads=1)
+    blocks = []
 
-    def cancel(_):
+    def cancel(block):
+        blocks.append(block)
         stopper = threading.Thread(target=detector.cancel)
         stopper.start()
         stopper.join()
 
     with pytest.raises(crumple.Error) as caught:
         detector.stream(MESH, crumple.IntersectionQuery(), cancel, block_rows=2)
-    assert caught.value.code == "cancelled"
+    assert caught.value.code == "cancelled" and len(blocks) == 1
 
 
 def test_error_names_the_wrong_argument(detector):

@@ -58,7 +58,7 @@ def test_two_detectors_search_at_the_same_time():
     assert overlap > 0.5 * min(end - begin for begin, end in spans)
 
 
-def test_threads_with_own_detectors_get_correct_results():
+def test_threads_with_own_detectors_get_the_same_pairs_as_one_thread():
     meshes = [soup(400, seed=s) for s in range(8)]
     expected = [crumple.intersections(m).pairs.tolist() for m in meshes]
 
@@ -120,17 +120,20 @@ def test_cancel_ends_searches_for_impacts_and_proximities(name, backend):
     assert caught.value.code == "cancelled" and find(small).edge_edges.tolist() == expected
 
 
-def test_threads_that_share_a_detector_get_correct_near_pairs(detector):
+def test_threads_that_share_a_detector_get_their_own_near_pairs(detector):
     meshes = [soup(40, size=0.5, seed=s) for s in range(4)]
-    expected = [crumple.proximities(m, radius=0.1).edge_edges.tolist() for m in meshes]
+
+    def pairs_of(near):
+        return near.vertex_faces.tolist(), near.edge_edges.tolist()
+
+    expected = [pairs_of(crumple.proximities(m, radius=0.1)) for m in meshes]
+    assert all(edge_edges for _, edge_edges in expected)
 
     def search(i):
         for k in range(i, i + 20):
-            near, mesh = detector.proximities(meshes[k % 4], radius=0.1), meshes[k % 4]
-            assert (
-                near.edge_edges.tolist() == expected[k % 4]
-                and (not detector.any(mesh.moving_to(mesh.vertices), crumple.ImpactQuery())) is True
-            )
+            mesh = meshes[k % 4]
+            assert pairs_of(detector.proximities(mesh, radius=0.1)) == expected[k % 4]
+            assert not detector.any(mesh.moving_to(mesh.vertices), crumple.ImpactQuery())
         return True
 
     with ThreadPoolExecutor(4) as pool:
@@ -222,8 +225,9 @@ def test_a_signal_handler_cannot_call_the_detector_it_interrupts():
         except crumple.InvalidInput as error:
             print(error)
     """
-    out = run_interrupted(program)
-    assert out in (
-        "neither a signal handler nor take(block) can call a detector while another call of it is in progress\n",
-        "between two calls\n",
+    outputs = [run_interrupted(program)]
+    while outputs[-1] == "between two calls\n" and len(outputs) < 5:
+        outputs.append(run_interrupted(program))
+    assert outputs[-1] == (
+        "neither a signal handler nor take(block) can call a detector while another call of it is in progress\n"
     )

@@ -89,7 +89,7 @@ def test_point_clouds_of_a_trimesh_scene_are_left_out(detector):
 
 
 @pytest.mark.parametrize("extension", ["glb", "gltf"])
-def test_gltf_file_of_a_trimesh_scene_gives_the_same_world(extension, tmp_path, detector):
+def test_gltf_file_of_a_trimesh_scene_gives_the_same_bodies_and_collisions(extension, tmp_path, detector):
     given = scene()
     path = tmp_path / f"model.{extension}"
     if extension == "glb":
@@ -208,7 +208,7 @@ def test_mesh_of_a_world_has_the_pairs_of_the_world(detector):
 
 
 @pytest.mark.parametrize("name", ["world.glb", "world.ply", "world.obj", "world.html"])
-def test_result_of_a_world_is_saved_as_a_coloured_mesh(name, tmp_path, detector):
+def test_result_of_a_world_is_saved_as_glb_ply_obj_and_html(name, tmp_path, detector):
     world = crumple.World.from_trimesh(scene())
     result = detector.intersections(world, output="contacts")
     result.save(tmp_path / name)

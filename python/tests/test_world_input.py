@@ -338,7 +338,7 @@ def test_error_of_a_reused_shape_name_quotes_the_name(detector):
         detector.intersections(crumple.World([crumple.Shape(soup(21), name="wheel")]))
 
 
-def test_bodies_without_triangles_are_refused_unless_excluded(detector):
+def test_intersections_and_distances_refuse_bodies_without_triangles(detector):
     dust = crumple.Shape(MESH.vertices, points=[0, 1])
     world = crumple.World([MESH, dust], names=["stone", "dust"])
     for ask in (detector.intersections, detector.distances):

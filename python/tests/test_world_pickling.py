@@ -72,9 +72,13 @@ def test_copied_or_pickled_result_is_equal_to_the_original(name, query, detector
 def test_copied_or_pickled_worlds_are_equal_to_the_original():
     world = WORLDS["columns"]
     for found in (pickle.loads(pickle.dumps(world)), copy.copy(world), copy.deepcopy(world)):
-        assert found is not world and found.names == world.names and [s.name for s in found.shapes]
+        assert found is not world and found.names == world.names and found.bodies.tolist() == world.bodies.tolist()
+        assert found.self_collisions.tolist() == world.self_collisions.tolist()
         assert found.worlds.tolist() == world.worlds.tolist() and found.groups.tolist() == world.groups.tolist()
         assert [s.name for s in found.shapes] == [s.name for s in world.shapes]
+        for shape, original in zip(found.shapes, world.shapes):
+            for array, expected in zip(shape.mesh, original.mesh):
+                np.testing.assert_array_equal(array, expected)
         np.testing.assert_array_equal(found.poses, world.poses)
     many = pickle.loads(pickle.dumps(WORLDS["configurations"]))
     assert many.names == ("a", "b", "table") and many.originals.tolist() == [0, 1] * 5 + [2]

@@ -278,7 +278,7 @@ def test_error_explains_how_to_request_a_missing_array(detector):
         _ = detector.intersections(world).hit
 
 
-def test_sufficient_memory_limit_gives_the_same_result():
+def test_sufficient_memory_limit_gives_the_same_pairs():
     world = random_columns(12, bodies=30).world()
     expected = crumple.Detector().intersections(world).pairs
     enough = crumple.Detector(memory_limit=sufficient_limit(lambda detector: detector.intersections(world), 10_000))

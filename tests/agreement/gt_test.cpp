@@ -1,5 +1,5 @@
-// Compares every backend with independent exact results on real scenes: pairs as sets, in both precisions, for all
-// kinds of intersections and with adjacent triangles skipped or not.
+// Compares the tested backend, and on small scenes brute force, with independent exact results on real scenes: pairs as
+// sets, in both precisions, for all kinds of intersections and with adjacent triangles skipped or not.
 
 #include <fstream>
 #include <memory>
@@ -124,7 +124,7 @@ std::vector<int> part_counts(const SelfCase& scene);
 
 class SelfTruth : public DataTest, public testing::WithParamInterface<SelfCase> {};
 
-TEST_P(SelfTruth, pairs_and_contacts_match_ground_truth) {
+TEST_P(SelfTruth, pairs_and_contact_point_counts_match_ground_truth) {
     const SelfCase scene = GetParam();
     const Truth expected = truth(scene.truth_file);
     for (const Precision precision : precisions(scene)) {
@@ -143,13 +143,13 @@ TEST_P(SelfTruth, pairs_and_contacts_match_ground_truth) {
 // Largest number of overlapping boxes for brute force: its rational arithmetic takes 20 us for each pair, several times
 // that under sanitizers. Larger scenes are compared with the ground truth only.
 constexpr std::int64_t most_overlaps = sanitized ? 20'000 : 200'000;
-TEST_P(SelfTruth, brute_force_matches_tested_backend) {
+TEST_P(SelfTruth, tested_backend_finds_the_pairs_of_brute_force) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh =
         io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
     if (mesh.triangle_count() > 20'000) GTEST_SKIP() << "too large";
     if (backends_for(mesh.triangle_count()).size() > 1)
-        GTEST_SKIP() << "small, so compared in pairs_and_contacts_match_ground_truth";
+        GTEST_SKIP() << "small, so compared in pairs_and_contact_point_counts_match_ground_truth";
     Detector detector = detector_of(test::tested_backend), reference = detector_of(Backend::reference);
     const Intersections& found = detector.find(mesh.view());
     if (found.statistics.box_overlaps > most_overlaps) GTEST_SKIP() << "too many boxes overlap";
@@ -157,7 +157,7 @@ TEST_P(SelfTruth, brute_force_matches_tested_backend) {
 }
 
 // Uses two numbers of parts for each scene; the numbers of all scenes together cover 1 to 64.
-TEST_P(SelfTruth, union_of_parts_equals_whole_result) {
+TEST_P(SelfTruth, pairs_of_parts_add_up_to_all_pairs) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh =
         io::read_mesh(*folder / scene.mesh, {.precision = scene.precision, .triangulation = io::Triangulation::fan});
@@ -321,7 +321,7 @@ TEST_F(Frames, cloth_and_ball_do_not_meet_in_two_frames) {
 }
 
 // Uses one detector for all frames, so that each is warm-started from the cluster centres of the frame before.
-TEST_F(Frames, warm_started_frames_match_ground_truth) {
+TEST_F(Frames, pair_counts_of_warm_started_frames_match_ground_truth) {
     constexpr std::int64_t vertices = 12'811, triangles = 25'472;
     std::vector<std::int32_t> corners(3 * triangles);
     std::vector<float> xyz(3 * vertices);

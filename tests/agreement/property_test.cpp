@@ -78,7 +78,7 @@ Grid with_positions(Grid soup, Change change) {
     return soup;
 }
 
-RC_GTEST_PROP(Property, order_of_triangles_does_not_matter, ()) {
+RC_GTEST_PROP(Property, order_of_triangles_does_not_change_the_pairs, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     const auto order = any_order(soup.triangles.size());
@@ -94,7 +94,7 @@ RC_GTEST_PROP(Property, order_of_triangles_does_not_matter, ()) {
     require_same(self_pairs(soup, query), found);
 }
 
-RC_GTEST_PROP(Property, order_of_vertices_and_corners_does_not_matter, ()) {
+RC_GTEST_PROP(Property, order_of_vertices_and_corners_does_not_change_the_pairs, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     const auto order = any_order(soup.vertices.size());
@@ -110,7 +110,7 @@ RC_GTEST_PROP(Property, order_of_vertices_and_corners_does_not_matter, ()) {
     require_same(self_pairs(soup, query), self_pairs(renamed, query));
 }
 
-RC_GTEST_PROP(Property, swapping_or_mirroring_axes_does_not_matter, ()) {
+RC_GTEST_PROP(Property, swapping_or_mirroring_axes_does_not_change_the_pairs, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     const auto axis = any_order(3);
@@ -123,7 +123,7 @@ RC_GTEST_PROP(Property, swapping_or_mirroring_axes_does_not_matter, ()) {
     require_same(self_pairs(soup, query), self_pairs(turned, query));
 }
 
-RC_GTEST_PROP(Property, scaling_by_powers_of_two_does_not_matter, ()) {
+RC_GTEST_PROP(Property, scaling_by_powers_of_two_keeps_pairs_and_scales_contact_points, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     query.output = Output::contacts;
@@ -146,7 +146,7 @@ RC_GTEST_PROP(Property, scaling_by_powers_of_two_does_not_matter, ()) {
     }
 }
 
-RC_GTEST_PROP(Property, exact_translations_do_not_matter, ()) {
+RC_GTEST_PROP(Property, exact_translations_do_not_change_the_pairs, ()) {
     const Grid soup = any_soup();
     const IntersectionQuery query = any_query();
     const auto offset = [] { return static_cast<double>(*rc::gen::inRange<std::int64_t>(-(1LL << 50), 1LL << 50)); };
@@ -216,7 +216,7 @@ RC_GTEST_PROP(Property, pairs_of_parts_add_up_to_all_pairs, ()) {
     require_same(self_pairs(soup, query), joined);
 }
 
-RC_GTEST_PROP(Property, welded_results_depend_on_positions_and_not_on_vertex_indices, ()) {
+RC_GTEST_PROP(Property, welded_pairs_depend_on_positions_and_not_on_vertex_indices, ()) {
     const Grid soup = any_soup();
     IntersectionQuery query = any_query();
     query.weld = true;

@@ -1,5 +1,5 @@
-// Compares every backend under every option with brute force, byte by byte, on procedural scenes and on soups with
-// exact special cases.
+// Compares the tested backend under many combinations of options and queries with brute force, byte by byte, on
+// procedural scenes and on soups with exact special cases.
 
 #include <gtest/gtest.h>
 
@@ -239,7 +239,7 @@ struct Union {
     }
 };
 
-TEST_P(Agreement, union_of_parts_equals_whole_result) {
+TEST_P(Agreement, pairs_and_contacts_of_parts_add_up_to_those_of_the_whole) {
     Detector parted({.backend = tested_backend, .leaf_size = 100});
     IntersectionQuery query;
     query.output = Output::contacts;

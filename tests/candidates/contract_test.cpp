@@ -180,7 +180,7 @@ TEST_P(CandidateErrors, invalid_end_positions_are_rejected) {
     soup.end[11][2] = nan;
     EXPECT_STREQ(at(soup.end_view()).what(), "at the end: vertex 11 is not finite");
 }
-TEST_P(CandidateErrors, meshes_with_invalid_indices_or_memory_are_rejected) {
+TEST_P(CandidateErrors, meshes_with_invalid_indices_or_device_memory_are_rejected) {
     auto soup = soup_;
     soup.triangles[4][1] = 14;
     EXPECT_STREQ(refused([&] { detector_.find(soup.view(), CandidateQuery()); }).what(),

@@ -66,7 +66,7 @@ TEST_F(Bodies, body_can_collide_with_itself) {
     EXPECT_EQ(list("folded.glb --filter both --excluded-bodies folded,folded"), "base\tarm\narm\thand\n");
 }
 
-TEST_F(Bodies, each_file_is_a_body) {
+TEST_F(Bodies, each_mesh_file_is_a_body_and_equal_names_get_numbers) {
     EXPECT_EQ(list("five.off two.off"), "five\ttwo\n");
     EXPECT_EQ(list("five.off two.off five.off"), "five\ttwo\nfive\tfive_2\ntwo\tfive_2\n");
     EXPECT_EQ(list("robot.glb robot.glb --filter between | grep far"), "far away\tfar away_2\n");
@@ -157,11 +157,12 @@ TEST_F(Bodies, coloured_glb_keeps_names_and_poses) {
 TEST_F(Bodies, check_reports_collisions_by_exit_status) {
     EXPECT_EQ(crumple("detect robot.glb --groups bodies --check").status, 1);
     EXPECT_EQ(crumple("detect robot.glb --groups bodies --check").out, "something collides\n");
+    EXPECT_EQ(crumple("detect five.off --groups bodies --check").status, 0);
     EXPECT_EQ(crumple("detect five.off --groups bodies --check").out, "nothing collides\n");
     EXPECT_EQ(crumple("detect robot.glb --groups bodies --check -o p.txt").status, 1);
 }
 
-TEST_F(Bodies, one_run_checks_many_configurations) {
+TEST_F(Bodies, one_run_checks_several_configurations) {
     write("poses.csv", three_configurations());
     EXPECT_EQ(list("robot.glb --poses poses.csv"), "configuration,collides,pairs\n0,0,0\n1,1,1\n2,1,6\n");
     EXPECT_EQ(list("robot.glb --poses poses.csv --excluded-bodies arm,hand"),
@@ -181,7 +182,7 @@ TEST_F(Bodies, one_run_checks_many_configurations) {
     EXPECT_EQ(list("robot.glb --poses none.csv"), "configuration,collides,pairs\n");
 }
 
-TEST_F(Bodies, configurations_in_several_batches_keep_their_order) {
+TEST_F(Bodies, rows_of_60000_configurations_keep_their_order) {
     std::string rows;
     for (int i = 0; i < 20'000; ++i) rows += three_configurations();
     write("many.csv", rows);
@@ -193,7 +194,7 @@ TEST_F(Bodies, configurations_in_several_batches_keep_their_order) {
     EXPECT_TRUE(outcome.out == expected);
 }
 
-TEST_F(Bodies, error_in_poses_names_row_and_body) {
+TEST_F(Bodies, error_in_poses_names_the_place) {
     const auto refused = [&](const std::string& rows, const std::string& reason) {
         write("p.csv", rows);
         expect_refused("robot.glb --groups bodies --poses p.csv", reason);
@@ -232,6 +233,7 @@ TEST_F(Bodies, scene_is_searched_as_one_mesh_without_the_groups_option) {
     EXPECT_EQ(crumple("convert robot.glb robot.ply").status, 0);
     const Outcome scene = crumple("detect robot.glb"), mesh = crumple("detect robot.ply");
     EXPECT_EQ(scene.status, 0) << scene.err;
+    EXPECT_FALSE(scene.out.empty());
     EXPECT_EQ(scene.out, mesh.out);
     EXPECT_EQ(crumple("near robot.glb --radius 0.01").out, crumple("near robot.ply --radius 0.01").out);
 }

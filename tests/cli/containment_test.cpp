@@ -98,7 +98,7 @@ TEST_F(Containment, row_of_a_configuration_counts_pairs_with_one_body_inside) {
     EXPECT_EQ(crumple("detect --groups bodies --check " + of_two).status, 1);
 }
 
-TEST_F(Containment, open_bodies_are_an_error_or_with_open_skip_contain_nothing) {
+TEST_F(Containment, open_bodies_whose_inside_matters_are_errors_unless_skipped) {
     expect_refused("--groups bodies --containment small.off open_large.off",
                    "open_large.off: body 'open_large': its surface is not closed");
     expect_refused("--groups bodies --containment large.off open.off",
@@ -113,12 +113,14 @@ TEST_F(Containment, open_bodies_are_an_error_or_with_open_skip_contain_nothing) 
     EXPECT_EQ(list("--containment open_large.off edge.off"), "open_large\tedge\n") << "surfaces meet";
 }
 
-TEST_F(Containment, containment_changes_colours_of_written_meshes) {
+TEST_F(Containment, containment_changes_colours_of_the_written_ply) {
     ASSERT_EQ(crumple("detect --groups bodies --containment large.off small.off -o c.ply -o c.glb -o p.txt").status, 0);
     EXPECT_EQ(read("p.txt"), "large\tsmall\tinside\n");
     EXPECT_EQ(io::read_mesh(file("c.ply")).triangle_count(), 24);
     ASSERT_EQ(crumple("detect --groups bodies large.off small.off -o grey.ply").status, 0);
     EXPECT_NE(read("c.ply"), read("grey.ply"));
+    EXPECT_EQ(io::read_mesh(file("c.ply")).vertices, io::read_mesh(file("grey.ply")).vertices);
+    EXPECT_EQ(io::read_mesh(file("c.ply")).triangles, io::read_mesh(file("grey.ply")).triangles);
 }
 
 TEST_F(Containment, incompatible_options_are_refused) {

@@ -22,7 +22,7 @@ void expect_same(const io::TriangleMesh& mesh, const io::TriangleMesh& other) {
     EXPECT_EQ(mesh.polygons.corners, other.polygons.corners);
 }
 
-TEST_F(Convert, polygons_and_every_bit_are_kept) {
+TEST_F(Convert, polygons_and_exact_coordinates_are_kept_in_ply_off_and_obj) {
     write("a.obj", quad_and_triangle);
     const io::TriangleMesh original = io::read_mesh(file("a.obj"));
     ASSERT_EQ(original.polygons.count(), 2);
@@ -62,7 +62,7 @@ TEST_F(Convert, meshes_can_be_converted_in_a_pipe) {
               read("a.off"));
 }
 
-TEST_F(Convert, transforms_of_scene_nodes_are_applied) {
+TEST_F(Convert, translation_of_a_scene_node_is_applied) {
     write("a.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "translation": [1, 2, 4]}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],

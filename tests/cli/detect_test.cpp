@@ -176,8 +176,10 @@ TEST_F(Detect, coloured_meshes_are_written) {
     EXPECT_EQ(io::read_mesh(file("c.ply")).triangle_count(), 7);
     EXPECT_TRUE(contains(read("c.ply"), "property uchar red"));
     EXPECT_EQ(io::read_mesh(file("c.obj")).triangle_count(), 7);
-    EXPECT_TRUE(fs::exists(file("c.mtl")));
+    EXPECT_TRUE(contains(read("c.obj"), "usemtl colliding\n"));
+    EXPECT_TRUE(contains(read("c.mtl"), "newmtl colliding\nKd "));
     EXPECT_TRUE(read("c.glb").starts_with("glTF"));
+    EXPECT_TRUE(contains(read("c.glb"), "\"colliding\""));
 }
 
 TEST_F(Detect, check_reports_collisions_by_exit_status) {
@@ -292,7 +294,7 @@ TEST_F(Detect, progress_prints_each_step) {
     EXPECT_EQ(crumple("detect five.off").err, "");
 }
 
-TEST_F(Detect, memory_error_names_lower_bound_and_limit_to_try) {
+TEST_F(Detect, memory_errors_name_limits_to_try_until_one_suffices) {
     ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
     std::string limit = "1000";
     for (int tries = 0; tries < 20; ++tries) {

@@ -158,7 +158,7 @@ TEST_F(Impacts, different_meshes_at_the_two_times_are_refused) {
     expect_refused("impacts above.off other.off", named("other.off") + ", but triangle 1 has other vertices");
 }
 
-TEST_F(Impacts, polygons_of_the_end_are_cut_as_at_the_start) {
+TEST_F(Impacts, end_polygons_are_triangulated_like_those_of_the_start) {
     // A square whose first corner, vertex 0, moves inwards. So it is concave at the end, and would be cut along the
     // diagonal from 0 to 2 if it were cut anew.
     const std::string faces = "4 1 2 3 0\n3 4 5 6\n", other_vertices = "4 0 0\n4 4 0\n0 4 0\n1 1 ";

@@ -41,7 +41,7 @@ std::string cube_with(const std::string& last_triangle) {
            last_triangle + "\n";
 }
 
-TEST_F(Info, check_fails_unless_surface_bounds_a_solid) {
+TEST_F(Info, check_fails_for_open_inconsistently_oriented_or_empty_meshes) {
     const auto info = [&](const std::string& off, const std::string& options = "") {
         write("a.off", off);
         return crumple("info a.off --check " + options);
@@ -168,7 +168,7 @@ TEST_F(Info, empty_mesh_is_no_error) {
     EXPECT_TRUE(contains(outcome.out, "triangles             0\n")) << outcome.out << outcome.err;
 }
 
-TEST_F(Info, devices_are_listed_without_a_file) {
+TEST_F(Info, devices_option_needs_no_file_and_lists_devices_or_none) {
     const Outcome outcome = crumple("info --devices");
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.err, "");

@@ -45,9 +45,12 @@ TEST_F(Make, all_frames_writes_one_file_per_frame) {
 TEST_F(Make, simulated_frames_are_cached) {
     const std::string make = "XDG_CACHE_HOME=$PWD/cache $crumple make cutting --triangles 5000 ";
     EXPECT_EQ(shell(make + "--frame 3 -o a.ply").status, 0);
-    EXPECT_TRUE(fs::exists(file("cache/crumple/cutting-5000-1/frame3")));
+    const fs::path cached = file("cache/crumple/cutting-5000-1/frame3");
+    ASSERT_TRUE(fs::exists(cached));
+    const auto time = fs::last_write_time(cached);
     EXPECT_EQ(shell(make + "--frame 3 -o b.ply").status, 0);
     EXPECT_EQ(read("a.ply"), read("b.ply"));
+    EXPECT_TRUE(fs::last_write_time(cached) == time) << "simulated again";
 }
 
 TEST_F(Make, seed_changes_the_scene) {

@@ -194,7 +194,8 @@ TEST_F(Misuse, file_can_have_the_name_of_a_command) {
 }
 
 TEST_F(Misuse, help_and_version_succeed) {
-    for (const char* command : {"", "detect ", "impacts ", "near ", "sequence ", "info ", "verify ", "make "}) {
+    for (const char* command :
+         {"", "detect ", "impacts ", "near ", "overlap ", "sequence ", "info ", "verify ", "make ", "convert "}) {
         const Outcome outcome = crumple(std::string(command) + "--help");
         EXPECT_EQ(outcome.status, 0) << command;
         EXPECT_EQ(outcome.err, "") << command;

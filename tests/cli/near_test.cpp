@@ -24,7 +24,7 @@ TEST_F(Near, below_excludes_pairs_at_the_radius) {
     EXPECT_EQ(list("near above.off --radius 1.0000000000000002 --below"), closest);
 }
 
-TEST_F(Near, ids_name_their_file_if_there_are_two) {
+TEST_F(Near, ids_name_their_file_if_two_files_are_given) {
     write("lower.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
     write("upper.off", "OFF\n6 2 0\n1 1 1\n2 1 2\n1 2 2\n1 1 1.5\n2 1 2.5\n1 2 2.5\n3 0 1 2\n3 3 4 5\n");
     EXPECT_EQ(list("near lower.off upper.off --radius 1"), "vf 1:0 0:0 1\n");

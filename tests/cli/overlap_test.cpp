@@ -139,7 +139,7 @@ TEST_F(Overlap, numbers_are_printed_with_the_unit) {
     EXPECT_EQ(nlohmann::json::parse(read("a.json"))["unit"], "mm");
 }
 
-TEST_F(Overlap, bodies_of_a_scene_have_their_poses) {
+TEST_F(Overlap, poses_of_bodies_in_a_scene_are_applied) {
     // Three tetrahedra, two of them moved along x: by 0.5, and far away.
     crumple::test::GltfScene scene;
     const int shape = scene.add_tetrahedron();
@@ -261,7 +261,7 @@ TEST_F(Overlap, stl_is_welded_by_default_and_other_seams_need_weld) {
     expect_refused("overlap low.off part.stl --no-weld", "part.stl: body 'part': its surface is not closed");
 }
 
-TEST_F(Overlap, open_bodies_are_errors_unless_skipped) {
+TEST_F(Overlap, open_bodies_whose_inside_matters_are_errors_unless_skipped) {
     expect_refused("overlap low.off open.off", "open.off: body 'open': its surface is not closed: 4 edges");
     expect_refused("overlap low.off open.off",
                    "info --open-edges lists them all, --weld closes seams, --open skip leaves such bodies out");
@@ -345,7 +345,7 @@ TEST_F(Overlap, error_in_a_list_names_the_place) {
                  ": there is no array \"centroid\"");
 }
 
-TEST_F(Overlap, coloured_files_show_the_surface_of_the_overlap) {
+TEST_F(Overlap, coloured_formats_are_written_and_ply_holds_only_the_overlap) {
     const std::string outputs = " -o a.html -o a.glb -o a.3mf -o a.obj -o a.ply -o a.csv";
     const Outcome outcome = crumple("overlap low.off high.off far.off" + outputs);
     EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -135,7 +135,7 @@ TEST_F(Ranks, ranks_read_stl) {
     expect_same("a.stl --contacts");
 }
 
-TEST_F(Ranks, ranks_read_files_that_cannot_be_sliced) {
+TEST_F(Ranks, ranks_read_obj_3mf_compressed_and_polygon_files) {
     make("lattice --triangles 1000", "a.obj");
     expect_same("a.obj --contacts");
     make("lattice --triangles 1000", "a.ply.gz");
@@ -173,7 +173,7 @@ TEST_F(Ranks, ranks_accept_options_of_the_query) {
     expect_same("a.ply --groups groups.txt --filter within");
 }
 
-TEST_F(Ranks, ranks_list_the_near_pairs_of_one_process) {
+TEST_F(Ranks, ranks_list_the_same_near_pairs_as_one_process) {
     write("a.ply", sheets(std::endian::big));
     expect_same("near", "a.ply --radius 0.3");
     expect_same("near", "a.ply --radius 0.5 --below --precision float32 --groups sheet --filter between");
@@ -187,7 +187,7 @@ TEST_F(Ranks, ranks_number_stl_vertices_like_one_process) {
     expect_same("near", "a.stl --radius 0.02 --threads 2");
 }
 
-TEST_F(Ranks, ranks_list_the_impacts_of_one_process) {
+TEST_F(Ranks, ranks_list_the_same_impacts_as_one_process) {
     make("cloth --triangles 3000 --frame 60", "a.ply");
     make("cloth --triangles 3000 --frame 61", "b.ply");
     expect_same("impacts", "a.ply b.ply");
@@ -195,7 +195,7 @@ TEST_F(Ranks, ranks_list_the_impacts_of_one_process) {
     expect_same("impacts", "a.ply b.ply --weld --min-distance 0.001 --min-distance-share 0.1 --backend cpu");
 }
 
-TEST_F(Ranks, ranks_list_impacts_of_files_that_cannot_be_sliced) {
+TEST_F(Ranks, ranks_list_impacts_of_obj_and_off_files) {
     make("cloth --triangles 1000 --frame 60", "a.ply");
     make("cloth --triangles 1000 --frame 61", "b.obj");
     expect_same("impacts", "a.ply b.obj");
@@ -203,7 +203,7 @@ TEST_F(Ranks, ranks_list_impacts_of_files_that_cannot_be_sliced) {
     expect_same("impacts", "above.off below.off");
 }
 
-TEST_F(Ranks, ranks_print_pairs_in_order) {
+TEST_F(Ranks, ranks_print_pairs_in_the_order_of_one_process) {
     write("a.ply", sheets(std::endian::little));
     const Outcome one = crumple("detect a.ply"), two = ranks(2, "detect a.ply");
     EXPECT_EQ(two.status, 0);
@@ -212,7 +212,9 @@ TEST_F(Ranks, ranks_print_pairs_in_order) {
     EXPECT_FALSE(one.out.empty());
 }
 
-TEST_F(Ranks, standard_input_is_read_once) { EXPECT_EQ(ranks(2, "detect -", "cat five.off |").out, five_pairs); }
+TEST_F(Ranks, ranks_accept_a_mesh_on_standard_input) {
+    EXPECT_EQ(ranks(2, "detect -", "cat five.off |").out, five_pairs);
+}
 
 TEST_F(Ranks, check_gives_one_line_and_one_exit_status_for_all_ranks) {
     const Outcome some = ranks(2, "detect five.off --check");

@@ -113,7 +113,7 @@ TEST_F(Sequence, meshes_are_one_file_per_frame_or_one_animation) {
     EXPECT_FALSE(fs::exists(file("c2.ply")));
 }
 
-TEST_F(Sequence, bad_frame_keeps_old_tables_and_animations) {
+TEST_F(Sequence, bad_frame_leaves_old_tables_and_animations_unchanged) {
     write("old.csv", "precious\n");
     write("old.glb", "precious\n");
     for (const char* const frames : {"missing.off a.off", "a.off missing.off", "a.off a.off missing.off"}) {
@@ -175,7 +175,7 @@ TEST_F(Sequence, rows_before_a_bad_frame_are_printed) {
     EXPECT_EQ(nlohmann::json::parse(crumple("sequence --json a.off missing.off").out).size(), 1u);
 }
 
-TEST_F(Sequence, times_are_written_to_the_microsecond) {
+TEST_F(Sequence, times_have_no_digits_beyond_the_microsecond) {
     for (const auto& row : nlohmann::json::parse(crumple("sequence --json a.off a.off").out)) {
         const std::string time = row["milliseconds"].dump();
         EXPECT_LE(time.size() - std::min(time.find('.'), time.size()), 4u) << time;
@@ -207,7 +207,7 @@ TEST_F(Sequence, ctrl_c_leaves_valid_json) {
     EXPECT_GE(nlohmann::json::parse(read("t.json")).size(), 3u);
 }
 
-TEST_F(Sequence, impacts_are_listed_per_step) {
+TEST_F(Sequence, each_step_has_a_row_with_its_impact_count_and_earliest_time) {
     write("above.off", above_off);
     write("below.off", below_off);
     const Outcome outcome = crumple("sequence above.off above.off below.off --impacts");
@@ -232,9 +232,10 @@ TEST_F(Sequence, impacts_are_listed_per_step) {
     EXPECT_TRUE(contains(stats.err, "1  impacts of all steps")) << stats.err;
 }
 
-TEST_F(Sequence, impacts_of_a_scene_are_listed) {
+TEST_F(Sequence, impacts_option_accepts_a_scene) {
     const auto rows = lines(crumple("sequence --scene cloth --triangles 200 --impacts").out);
     ASSERT_GT(rows.size(), 2u);
+    EXPECT_TRUE(rows[0].starts_with("frame,triangles,impacts,earliest,")) << rows[0];
     EXPECT_TRUE(rows[1].starts_with("0,")) << rows[1];
 }
 

@@ -81,7 +81,7 @@ TEST(EdgeMoment, edges_along_the_first_axis_do_not_turn_the_frame) {
     EXPECT_EQ(axes.axis[2], (Vec3d{0, 0, 1}));
 }
 
-TEST(LeafFrame, frame_follows_edges_of_a_rotated_part) {
+TEST(LeafFrame, frame_aligns_with_perpendicular_edges_of_rotated_triangles) {
     // Long triangles with right angles in a plane that is longest along x, turned by some angle about x.
     const double angle = 0.6, c = std::cos(angle), s = std::sin(angle);
     const Vec3d across{0, c, s}, upright{0, -s, c};
@@ -109,7 +109,7 @@ TEST(LeafFrame, frame_follows_edges_of_a_rotated_part) {
     EXPECT_LT(slant(across, axis(1), axis(2)), 0.1);
 }
 
-TEST(LeafRecords, boxes_and_planes_hold_their_triangles) {
+TEST(LeafRecords, boxes_and_planes_hold_their_triangles_within_rounding_bounds) {
     std::mt19937 engine(4);
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
     constexpr int n = 500;

@@ -86,7 +86,7 @@ std::vector<Call> calls() {
             {"any", [](Detector& d) { d.any(mesh, within); }}};
 }
 
-TEST(Allocation, warm_calls_allocate_nothing) {
+TEST(Allocation, warm_find_of_intersections_allocates_nothing) {
     if (sanitized) GTEST_SKIP() << "it counts, and other tests make the same calls";
     for (const int threads : {1, 2}) {
         for (const auto& [name, find] : calls()) {

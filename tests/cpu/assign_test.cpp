@@ -104,7 +104,7 @@ TEST(ClusterMembership, members_are_listed_and_no_mask_is_written_past_the_end) 
     }
 }
 
-TEST(ClusterMembership, small_balls_belong_to_few_clusters) {
+TEST(ClusterMembership, small_balls_belong_to_few_clusters_on_average) {
     std::mt19937 engine(5);
     const auto number = [&] { return static_cast<float>(static_cast<double>(engine()) * 0x1p-31 - 1); };
     Centres centres;

@@ -1,4 +1,4 @@
-// Tests of scenes with many copies of degenerate triangles: the copies cost no search of their own, and results equal
+// Tests of scenes with many copies of degenerate triangles: the copies cost no search of their own, and pairs equal
 // those of brute force. Costs are counts of tests, not times.
 
 #include "backends/cpu/stages/copies.h"
@@ -134,7 +134,7 @@ void expect_reference(const std::function<const Intersections&(Detector&)>& find
     }
 }
 
-TEST(DuplicateDegenerates, duplicates_match_brute_force) {
+TEST(DuplicateDegenerates, scenes_with_duplicates_give_the_pairs_of_brute_force) {
     static const std::vector<GroupPair> excluded{{0, 1}};
     for (unsigned seed = 1; seed <= 6; ++seed) {
         SCOPED_TRACE(seed);
@@ -156,7 +156,7 @@ TEST(DuplicateDegenerates, duplicates_match_brute_force) {
     }
 }
 
-TEST(DuplicateDegenerates, duplicates_in_parts_match_brute_force) {
+TEST(DuplicateDegenerates, parts_with_duplicates_give_the_pairs_of_brute_force) {
     for (unsigned seed = 1; seed <= 6; ++seed) {
         const auto soup = crowded(seed);
         for (const int count : {3, 70})

@@ -31,6 +31,7 @@ void expect_same(const Intersections& expected, const Intersections& found) {
     expect_same("hit", expected.hit, found.hit);
     expect_same("hit_second", expected.hit_second, found.hit_second);
     expect_same("kinds", expected.contacts.kinds, found.contacts.kinds);
+    expect_same("contact offsets", expected.contacts.offsets, found.contacts.offsets);
     expect_same("points", expected.contacts.points, found.contacts.points);
 }
 
@@ -39,7 +40,7 @@ std::vector<std::shared_ptr<Executor>> executors() {
             std::make_shared<test::Threads>(3, false)};
 }
 
-TEST(Executor, callers_executors_give_the_same_bytes_as_own_threads) {
+TEST(Executor, callers_executors_give_the_same_bytes_as_one_thread) {
     const auto sheet = test::wavy_sheet(60), other = test::wavy_sheet(50, 0.4);
     const IntersectionQuery query{.output = Output::contacts, .weld = true};
     Detector own({.backend = Backend::cpu, .threads = 1, .leaf_size = 300});

@@ -37,7 +37,7 @@ void expect_reference(const Soup<Scalar>& soup, const std::string& what) {
     }
 }
 
-TEST(Extremes, huge_triangle_in_the_plane_of_a_fine_floor_is_exact) {
+TEST(Extremes, huge_triangle_in_the_plane_of_a_fine_floor_matches_brute_force) {
     for (const bool bent : {false, true})
         for (int more = 0; more < 4; ++more) {  // the last SIMD vector has different numbers of used lanes
             Soup<float> soup;
@@ -93,14 +93,14 @@ void tiny_around_a_huge_one(double size) {
     expect_reference(soup, "size " + std::to_string(-std::log10(size)));
 }
 
-TEST(Extremes, tiny_triangles_in_the_plane_of_a_huge_one_are_exact) {
+TEST(Extremes, tiny_triangles_around_a_huge_one_match_brute_force) {
     for (const double size : {1e-6, 1e-9, 1e-10, 1e-12, 1e-15, 1e-20}) {
         tiny_around_a_huge_one<float>(size);
         tiny_around_a_huge_one<double>(size);
     }
 }
 
-TEST(Extremes, triangles_far_smaller_than_the_scene_are_exact) {
+TEST(Extremes, triangles_far_smaller_than_the_scene_match_brute_force) {
     std::mt19937 engine(3);
     for (const float far : {1e20f, 1e25f, 1e30f})
         for (const float unit : {1e-16f, 1e-14f, 1e-12f}) {
@@ -113,9 +113,9 @@ TEST(Extremes, triangles_far_smaller_than_the_scene_are_exact) {
         }
 }
 
-// Filters treat subnormal heights as zero, so to them all triangles of this test are flat. Only the exact decision
-// separates the sheets.
-TEST(Extremes, sheets_that_differ_in_subnormal_heights_are_exact) {
+// Heights of corners are subnormal, or products of them underflow. Filters treat subnormal numbers as zero, so only the
+// exact decision can separate triangles that overlap in the projection along y.
+TEST(Extremes, sheets_with_tiny_or_subnormal_heights_match_brute_force) {
     std::mt19937 engine(5);
     for (const float height : {1e-45f, 1e-42f, 1e-38f, 1e-36f, 1e-30f}) {
         Soup<float> soup;
@@ -135,7 +135,7 @@ TEST(Extremes, sheets_that_differ_in_subnormal_heights_are_exact) {
     }
 }
 
-TEST(Extremes, triangles_of_subnormal_extent_at_x_equal_1_match_brute_force) {
+TEST(Extremes, triangles_of_tiny_or_subnormal_extent_at_x_equal_1_match_brute_force) {
     std::mt19937 engine(3);
     for (const double unit : {5e-324, 1e-310, 1e-307, 1e-305}) {
         Soup<double> soup;
@@ -147,7 +147,7 @@ TEST(Extremes, triangles_of_subnormal_extent_at_x_equal_1_match_brute_force) {
     }
 }
 
-TEST(Extremes, any_respects_the_memory_limit) {
+TEST(Extremes, any_throws_a_memory_limit_error_until_the_limit_suffices) {
     const auto soup = test::random_soup(20000, 1e-4);
     Detector free;
     ASSERT_EQ(free.find(soup.view()).pairs.size(), 0u);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "agreement/compare.h"
 #include "error_of.h"
 #include "memory_limit.h"
 #include "soups.h"
@@ -31,9 +32,8 @@ TEST(MemoryLimit, limited_call_gives_same_result_or_names_larger_limit) {
                     Detector limited(options);
                     try {
                         const Intersections& found = limited.find(mesh, query);
-                        EXPECT_EQ(difference(pairs_of(expected), pairs_of(found)), "") << limit << " bytes";
+                        EXPECT_TRUE(test::same_result(found, expected)) << limit << " bytes";
                         EXPECT_LE(found.statistics.peak_memory_bytes, limit);
-                        EXPECT_EQ(found.contacts.points.size(), expected.contacts.points.size());
                     } catch (const Error& error) {
                         ASSERT_EQ(error.code, ErrorCode::memory_limit) << error.what();
                         EXPECT_GT(error.bytes_needed, limit);
@@ -131,7 +131,7 @@ TEST(MemoryLimit, counting_ends_when_pairs_alone_exceed_the_limit) {
 
 // If the limit does not suffice for storing pairs while they are found, the call searches in chunks (one cluster after
 // another), once to count the pairs and once to store them.
-TEST(MemoryLimit, pairs_that_fit_only_in_chunks_are_found) {
+TEST(MemoryLimit, pairs_are_found_under_a_limit_that_barely_suffices) {
     const auto soup = test::random_soup(3000, 0.7);
     Detector free;
     const auto expected = pairs_of(free.find(soup.view()));

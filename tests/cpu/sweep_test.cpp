@@ -115,7 +115,7 @@ TEST(Sweep, each_overlap_that_the_leaf_owns_is_found_once) {
     }
 }
 
-TEST(Sweep, leaves_too_large_for_16_bit_rows_are_swept_in_blocks) {
+TEST(Sweep, overlaps_of_300_members_of_a_leaf_too_large_for_16_bit_rows_are_found_once) {
     std::mt19937 engine(8);
     LeafMembers members = make_members(150000, 0.01f, engine);
     members.first_side = 70000;

@@ -48,7 +48,7 @@ TEST_F(CudaCli, missing_device_that_is_requested_is_an_error) {
     }
 }
 
-TEST_F(CudaCli, detect_runs_on_several_devices) {
+TEST_F(CudaCli, detect_accepts_several_devices_and_rejects_one_device_twice) {
     const Outcome two = shell("CUDA_ON_CPU_DEVICES=2 $crumple detect --backend cuda --device 1,0 five.off");
     EXPECT_EQ(two.status, 0) << two.err;
     EXPECT_EQ(two.out, five_pairs);

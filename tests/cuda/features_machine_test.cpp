@@ -34,7 +34,7 @@ class CudaMachineFeatures : public testing::Test {
         Detector({.backend = Backend::cpu}).find(soup_.view().moving_to(soup_.end_view()), ImpactQuery());
 };
 
-TEST_F(CudaMachineFeatures, launches_are_graphs_of_few_nodes) {
+TEST_F(CudaMachineFeatures, launches_are_graphs_of_at_most_26_nodes) {
     const MeshView view = on_device_.view();
     const VertexView end = on_device_.end();
     struct Case {
@@ -65,7 +65,7 @@ TEST_F(CudaMachineFeatures, launches_are_graphs_of_few_nodes) {
 }
 
 // The arrays of each frame are at another address; one graph serves all frames.
-TEST_F(CudaMachineFeatures, moving_mesh_needs_no_new_graph) {
+TEST_F(CudaMachineFeatures, arrays_at_new_addresses_need_no_new_graph) {
     std::vector<DeviceStep<float>> copies;
     for (int i = 0; i < 12; ++i) copies.emplace_back(soup_);
     Detector cuda({.backend = Backend::cuda});

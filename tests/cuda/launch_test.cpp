@@ -154,7 +154,7 @@ TEST(CudaLaunch, thousands_of_pairs_of_one_triangle_are_sorted) {
 }
 
 // A search in chunks under a memory limit, with one cluster whose sweep has more units of work than a chunk can hold.
-TEST(CudaLaunch, search_in_chunks_under_a_limit_finds_all_pairs) {
+TEST(CudaLaunch, one_large_cluster_under_a_small_memory_limit_gives_all_pairs) {
     Soup<float> soup = random_soup(6000, 0.01);
     for (std::size_t v = 0; v < soup.vertices.size(); ++v)
         soup.vertices[v][0] = 3 * soup.vertices[v][0] + (v % 3 ? 0 : 1);
@@ -571,7 +571,7 @@ TEST(CudaLaunch, calls_leave_the_capture_of_another_thread_valid) {
     check(cudaStreamDestroy(stream));
 }
 
-TEST(CudaLaunch, launches_on_default_streams_match_while_another_thread_captures) {
+TEST(CudaLaunch, launches_on_default_streams_match_the_cpu_while_another_thread_captures) {
     const io::TriangleMesh mesh = cloth(300, 93);
     const Intersections expected = Detector({.backend = Backend::cpu}).find(mesh.view());
     const DeviceMesh device(mesh.view());

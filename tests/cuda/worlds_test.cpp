@@ -83,7 +83,7 @@ TEST(CudaWorlds, hard_soups_match_the_cpu) {
 
 /// Small worlds are searched side by side. A world that is large enough to fill a device is searched alone, after the
 /// worlds before it and before those after it.
-TEST(CudaWorlds, large_world_is_searched_separately) {
+TEST(CudaWorlds, large_world_among_small_ones_matches_the_cpu) {
     const auto large = random_soup<float>(70'000, 0.004, 5);
     const auto first = random_soup<float>(60, 0.3, 1), second = random_soup<float>(45, 0.3, 2);
     const std::vector<Shape> shapes{Shape(first.view()), Shape(second.view()), Shape(large.view())};

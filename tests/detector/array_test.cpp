@@ -31,7 +31,7 @@ TEST(Array, memory_meter_counts_storage_that_is_swapped_in) {
     EXPECT_EQ(meter.used, 0);
 }
 
-TEST(Array, swap_of_arrays_of_two_meters_updates_both) {
+TEST(Array, swap_between_two_meters_updates_the_counts_of_both) {
     MemoryMeter first, second;
     Ints a(&first), b(&second);
     a.assign(100, 7);
@@ -41,7 +41,7 @@ TEST(Array, swap_of_arrays_of_two_meters_updates_both) {
     EXPECT_EQ(second.used, static_cast<std::int64_t>(b.capacity() * sizeof(int)));
 }
 
-TEST(Array, swap_beyond_the_limit_changes_nothing) {
+TEST(Array, swap_beyond_a_memory_limit_throws_and_changes_neither_array) {
     for (const bool limited_is_first : {true, false}) {
         MemoryMeter meter, unlimited;
         meter.limit = 1000;
@@ -49,9 +49,14 @@ TEST(Array, swap_beyond_the_limit_changes_nothing) {
         small.assign(100, 7);
         large.assign(1000, 8);
         const std::int64_t used = meter.used, others = unlimited.used;
+        const int *const of_small = small.data(), *const of_large = large.data();
         EXPECT_THROW(limited_is_first ? small.swap_elements(large) : large.swap_elements(small), MemoryMeter::Exceeded);
         EXPECT_EQ(small.size(), 100U);
         EXPECT_EQ(large.size(), 1000U);
+        EXPECT_EQ(small.data(), of_small);
+        EXPECT_EQ(large.data(), of_large);
+        EXPECT_EQ(small[99], 7);
+        EXPECT_EQ(large[999], 8);
         EXPECT_EQ(meter.used, used);
         EXPECT_EQ(unlimited.used, others);
     }

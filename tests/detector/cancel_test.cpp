@@ -78,7 +78,7 @@ bool cancelled(Call call) {
     return false;
 }
 
-TEST(Cancellation, stop_ends_the_running_call_and_detector_stays_usable) {
+TEST(Cancellation, stop_request_of_another_thread_cancels_find_and_detector_stays_usable) {
     for (const Case& c : cases()) {
         SCOPED_TRACE(c.name);
         const auto soup = test::random_soup(c.triangles, c.size);

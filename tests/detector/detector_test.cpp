@@ -1,5 +1,4 @@
-// Tests of what detectors guarantee on every backend: sorted results, ownership of results, independence of earlier
-// calls.
+// Tests of what detectors guarantee: sorted results, ownership of results, independence of earlier calls.
 
 #include <gtest/gtest.h>
 
@@ -71,7 +70,7 @@ TEST(Detector, taken_result_outlives_the_detector_and_storage_is_reused) {
     EXPECT_EQ(difference(before, pairs_of(taken)), "");
 }
 
-TEST(Detector, two_swapped_results_need_no_allocation) {
+TEST(Detector, two_results_swapped_in_turn_reuse_their_pair_arrays) {
     const auto soup = test::random_soup(500, 0.2);
     Detector detector;
     const auto expected = pairs_of(detector.find(soup.view()));
@@ -152,7 +151,7 @@ TEST(Detector, detector_made_by_move_gives_the_same_pairs) {
 }
 
 // Results must not depend on the caller's rounding mode or flush-to-zero setting, and a call must leave both unchanged.
-TEST(Detector, results_ignore_and_calls_preserve_the_float_environment) {
+TEST(Detector, pairs_ignore_and_calls_preserve_rounding_mode_and_flush_to_zero) {
     auto soup = test::random_soup(400, 0.2);
     for (auto& vertex : soup.vertices)
         for (float& value : vertex) value *= 0x1p-130f;  // many become subnormal

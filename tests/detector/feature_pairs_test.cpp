@@ -123,13 +123,15 @@ TEST(FeaturePairs, wrong_arguments_are_named_in_errors) {
     error = test::error_of(
         [&] { pair_impacts(FeatureKind::edge_edge, view(good), view(good), {.min_distance_share = 1}); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+    EXPECT_STREQ(error.what(), "min_distance_share must be 0 or more, and below 1");
     error = test::error_of([&] { pair_distances(static_cast<FeatureKind>(4), view(good)); });
     EXPECT_STREQ(error.what(), "kind must be a value of FeatureKind");
     error = test::error_of([&] { pair_distances(FeatureKind::edge_edge, view(good), -1); });
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+    EXPECT_STREQ(error.what(), "threads must be 0 (as many as the machine has) or more");
 }
 
-TEST(FeaturePairs, stop_request_ends_the_call) {
+TEST(FeaturePairs, stop_requested_before_a_call_cancels_it) {
     const Rows rows = lattice(12, 7, 3);
     std::stop_source stop;
     stop.request_stop();

@@ -134,7 +134,7 @@ TEST_P(FreeSteps, bodies_in_all_worlds_are_held_back_before_they_touch) {
     EXPECT_EQ(held.share, 0);
 }
 
-TEST_P(FreeSteps, two_meshes_are_held_back_like_two_bodies) {
+TEST_P(FreeSteps, two_meshes_stop_just_before_they_touch) {
     const MovingSoup<> soup = falling({4});
     const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}};
     const std::vector<std::array<double, 3>> low(soup.start.begin(), soup.start.begin() + 3),
@@ -189,7 +189,7 @@ TEST_P(FreeSteps, triangles_that_intersect_at_the_start_hold_back_only_their_wor
     EXPECT_TRUE(std::ranges::equal(step.body_shares, std::vector<double>{0, 1}));
 }
 
-TEST_P(FreeSteps, approaching_only_lets_bodies_leave_contact) {
+TEST_P(FreeSteps, approaching_only_lets_near_triangles_move_apart) {
     MovingSoup<> soup = falling({-2, 2});
     for (std::size_t v = 3; v < 6; ++v) soup.start[v][2] = 0.5;
     const ImpactQuery near{.min_distance = 1};
@@ -217,7 +217,7 @@ INSTANTIATE_TEST_SUITE_P(, FreeSteps, testing::Values(Backend::reference, Backen
 
 /// The steps of hard soups are free after the positions have been rounded, unless they stay at a start where something
 /// touches.
-TEST(FreeStepsOfSoups, free_steps_of_hard_soups_have_no_impact) {
+TEST(FreeStepsOfSoups, free_steps_of_hard_soups_have_no_impact_if_anything_moves) {
     Detector cpu({.backend = Backend::cpu, .threads = 1}), reference({.backend = Backend::reference});
     int cuts = 0, some = 0;
     for (const NamedMove<double>& move : moving_soups<double>()) {

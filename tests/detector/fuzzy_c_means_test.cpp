@@ -50,7 +50,7 @@ TEST(FuzzyCMeans, centres_find_two_separate_blobs) {
     }
 }
 
-TEST(FuzzyCMeans, each_iteration_lowers_the_objective) {
+TEST(FuzzyCMeans, no_iteration_raises_the_objective_beyond_rounding) {
     const auto points = two_blobs();
     const auto point = [&](std::size_t i) { return points[i]; };
     for (const double t : {2.0, 1.7}) {
@@ -66,7 +66,7 @@ TEST(FuzzyCMeans, each_iteration_lowers_the_objective) {
     }
 }
 
-TEST(FuzzyCMeans, iterations_end_early_when_no_centre_moves) {
+TEST(FuzzyCMeans, iterations_end_early_once_centres_hardly_move) {
     const auto points = two_blobs();
     const auto point = [&](std::size_t i) { return points[i]; };
     Centres centres;

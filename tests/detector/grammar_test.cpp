@@ -59,7 +59,9 @@ TEST_P(ScenesAndQueries, smaller_outputs_agree_with_the_pairs) {
         };
         EXPECT_TRUE(with(Output::any).any);
         EXPECT_TRUE(with(Output::any).pairs.empty());
-        EXPECT_EQ(with(Output::any_by_world).world_hit.size(), 1u);
+        const Intersections& by_world = with(Output::any_by_world);
+        ASSERT_EQ(by_world.world_hit.size(), 1u);
+        EXPECT_EQ(by_world.world_hit[0], 1);
         EXPECT_EQ(with(Output::count).count, all.count);
         EXPECT_TRUE(with(Output::count).pairs.empty());
         EXPECT_EQ(with(Output::body_pairs).bodies.size(), 1u);
@@ -72,17 +74,25 @@ TEST_P(ScenesAndQueries, smaller_outputs_agree_with_the_pairs) {
 TEST_P(ScenesAndQueries, two_meshes_give_the_results_of_two_bodies) {
     const MeshView a = a_.view(), b = b_.view();
     const TwoBodies bodies(a, b);
+    EXPECT_TRUE(same_bytes(detector_.find({a, b}).pairs, other_.find(bodies.world()).pairs, "pairs of triangles"));
     const ProximityQuery near{.radius = 0.02};
     const Proximities of_meshes = detector_.find({a, b}, near), of_world = other_.find(bodies.world(), near);
     ASSERT_GT(of_meshes.count, 5);
-    EXPECT_TRUE(same_bytes(of_meshes.vertex_faces().pairs, of_world.vertex_faces().pairs, "pairs"));
-    EXPECT_TRUE(same_bytes(of_meshes.edge_edges().bodies, of_world.edge_edges().bodies, "bodies"));
+    for (std::size_t k = 0; k < feature_kinds; ++k) {
+        const ProximityList &found = of_meshes.lists[k], &expected = of_world.lists[k];
+        EXPECT_TRUE(same_bytes(found.pairs, expected.pairs, "near pairs"));
+        EXPECT_TRUE(same_bytes(found.bodies, expected.bodies, "near bodies"));
+        EXPECT_TRUE(same_bytes(found.squared_distance, expected.squared_distance, "squared distances"));
+    }
     const MeshView moving = a.moving_to(end_view_);
     const TwoBodies step(moving, b);
     const Impacts impacts = detector_.find({moving, b}, ImpactQuery()),
                   expected = other_.find(step.world(), ImpactQuery());
     ASSERT_GT(impacts.count, 5);
-    EXPECT_TRUE(same_bytes(impacts.vertex_faces().toi, expected.vertex_faces().toi, "toi"));
+    for (std::size_t k = 0; k < feature_kinds; ++k) {
+        EXPECT_TRUE(same_bytes(impacts.lists[k].pairs, expected.lists[k].pairs, "impacts"));
+        EXPECT_TRUE(same_bytes(impacts.lists[k].toi, expected.lists[k].toi, "toi"));
+    }
     EXPECT_EQ(detector_.find({moving, b}, FirstImpactQuery()), expected.first);
     const Candidates candidates = detector_.find({a, b}, CandidateQuery{.inflation = 0.01});
     EXPECT_EQ(candidates.count, other_.find(bodies.world(), CandidateQuery{.inflation = 0.01}).count);

@@ -143,6 +143,8 @@ TEST(Input, message_names_which_of_two_meshes_is_wrong) {
     broken[0][0] = 77;
     const Error error = error_of([&] { detector.find({{vertices, triangles}, {vertices, broken}}); });
     EXPECT_EQ(std::string(error.what()), "second mesh: triangle 0 names vertex 77 of 6");
+    const Error other = error_of([&] { detector.find({{vertices, broken}, {vertices, triangles}}); });
+    EXPECT_EQ(std::string(other.what()), "first mesh: triangle 0 names vertex 77 of 6");
 }
 
 TEST(Input, wrong_array_sizes_and_options_are_rejected) {
@@ -212,7 +214,7 @@ TEST(Input, wrong_array_size_error_names_the_mesh) {
     EXPECT_EQ(error_of([&] { detector.find({good, bad}); }).what(), "the second mesh" + rest);
 }
 
-TEST(Input, filter_between_groups_is_rejected_if_no_mesh_has_groups) {
+TEST(Input, filter_between_groups_is_rejected_if_meshes_have_triangles_but_no_groups) {
     Detector detector;
     const std::vector<std::int32_t> groups{1, 2};
     const MeshView plain(vertices, triangles), grouped(vertices, triangles, groups), none;

@@ -1,4 +1,5 @@
-// Tests that normalised coordinates are at most 1 and, for float32 input, exact as float32.
+// Tests that normalised coordinates are at most 1 and, for float32 input, exact as float32 unless they are
+// subnormal.
 
 #include "geometry/normaliser.h"
 
@@ -11,7 +12,7 @@
 namespace crumple {
 namespace {
 
-TEST(Normaliser, normalising_float32_coordinates_is_lossless) {
+TEST(Normaliser, normalising_float32_is_lossless_unless_results_are_subnormal) {
     std::mt19937 engine(7);
     const auto number = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };  // -1 to 1
     for (int round = 0; round < 2000; ++round) {

@@ -80,7 +80,7 @@ TEST(OrderedBlocks, no_block_is_delivered_after_the_consumer_has_thrown) {
     EXPECT_EQ(taken, 3);
 }
 
-TEST(OrderedBlocks, cancellation_wakes_waiting_threads) {
+TEST(OrderedBlocks, cancellation_ends_a_wait_for_an_earlier_unit) {
     std::stop_source stop;
     Cancellation cancellation;
     cancellation.begin(stop.get_token());

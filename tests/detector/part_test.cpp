@@ -84,7 +84,7 @@ std::vector<int> counts(const IntersectionQuery& query) {
     return {3, 64, 65};
 }
 
-TYPED_TEST(PartUnion, parts_of_one_soup_give_the_whole_result) {
+TYPED_TEST(PartUnion, parts_of_one_soup_give_all_pairs_once) {
     const auto soup = TestFixture::soup(1200, 0.12);
     Detector detector({.threads = 2, .leaf_size = 100}), elsewhere({.threads = 1, .leaf_size = 50}),
         reference({.backend = Backend::reference});
@@ -99,7 +99,7 @@ TYPED_TEST(PartUnion, parts_of_one_soup_give_the_whole_result) {
     }
 }
 
-TYPED_TEST(PartUnion, parts_of_two_meshes_give_the_whole_result) {
+TYPED_TEST(PartUnion, parts_of_two_meshes_give_all_pairs_once) {
     const auto a = TestFixture::soup(700, 0.15), b = TestFixture::soup(500, 0.15, 4);
     const auto ungrouped = test::random_soup<double>(300, 0.2, 9);
     Detector detector({.threads = 2, .leaf_size = 100}), elsewhere({.threads = 1, .leaf_size = 50}),
@@ -216,9 +216,11 @@ TEST(Part, slices_of_the_triangles_give_the_same_members_of_parts) {
             const PreparedScene slice = prepare_scene(alone.view(), nullptr, false, serial, own);
             const auto ball = [&](std::int64_t t) { return PartBall(slice.triangle(t), tree.normalise); };
             const PartMembers members = list_members(tree, count, ball, 0, slice.triangle_count());
-            std::size_t listed = 0;
+            std::int64_t listed = 0, expected = 0;
             for (std::size_t k = 0; k < parts.size(); ++k) {
                 const Part& part = parts[k];
+                for (const std::int32_t id : part.mesh.ids)
+                    expected += id >= begin && id < begin + slice.triangle_count();
                 for (std::int64_t i = members.first[k]; i < members.first[k + 1]; ++i, ++listed) {
                     const auto at = static_cast<std::size_t>(i);
                     const auto id = members.triangle[at] + static_cast<std::int32_t>(begin);
@@ -230,7 +232,8 @@ TEST(Part, slices_of_the_triangles_give_the_same_members_of_parts) {
                                   members.masks[part.levels.size() * at + l]);
                 }
             }
-            EXPECT_GE(listed, static_cast<std::size_t>(slice.triangle_count()));
+            EXPECT_EQ(listed, expected) << count << " parts, slice from " << begin;
+            EXPECT_GE(listed, slice.triangle_count());
         }
     }
 }
@@ -253,7 +256,7 @@ TEST(Part, up_to_64_parts_need_one_level_and_up_to_4096_two) {
     }
 }
 
-TEST(Part, numbers_of_parts_are_proportional_to_numbers_of_points) {
+TEST(Part, clusters_get_parts_in_proportion_to_points_but_1_to_64_each) {
     const std::vector<std::int64_t> points{1000, 0, 3000, 10};
     const std::vector<int> shares = distribute_parts(84, 64, points);
     EXPECT_EQ(std::accumulate(shares.begin(), shares.end(), 0), 84);
@@ -297,19 +300,21 @@ TEST(Part, inconsistent_parts_are_rejected) {
 }
 
 // Centres are computed in float32, where the largest float64 number rounds to infinity.
-TEST(Part, parts_of_a_scene_of_largest_numbers_give_the_whole_result) {
+TEST(Part, parts_of_a_scene_with_largest_float64_numbers_give_all_pairs_once) {
     constexpr double most = std::numeric_limits<double>::max();
     test::Soup<double> soup;
-    soup.vertices = {{-most, most, -most}, {-most, most, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    soup.triangles = {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}, {2, 3, 4}};
+    soup.vertices = {{-most, most, -most}, {-most, most, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0},
+                     {0.25, 0.25, -1},     {0.25, 0.25, 1},  {2, 2, 0}};
+    soup.triangles = {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}, {2, 3, 4}, {5, 6, 7}};
     Detector detector;
     const IntersectionQuery query{.weld = true};
     const Intersections whole = detector.find(soup.view(), query);
+    ASSERT_GE(whole.pairs.size(), 1u);
     for (const int count : {1, 2, 4, 65, 1000})
         expect_union(whole, detector.partition(soup.view(), {}, count), query, detector);
 }
 
-TEST(Part, parts_of_a_scene_far_from_the_origin_give_the_whole_result) {
+TEST(Part, parts_of_a_scene_far_from_the_origin_give_all_pairs_once) {
     auto soup = test::random_soup<double>(400, 0.2);
     for (auto& vertex : soup.vertices)
         for (double& x : vertex) x = (x + 1e6) * 1e200;
@@ -330,8 +335,13 @@ TEST(Part, coincident_triangles_are_in_one_part) {
         const auto parts = detector.partition(stack.view(), {}, count);
         expect_union(whole, parts, {}, detector);
         std::int64_t members = 0;
-        for (const Part& part : parts) members += part.triangle_count();
+        int filled = 0;
+        for (const Part& part : parts) {
+            members += part.triangle_count();
+            filled += part.triangle_count() > 0;
+        }
         EXPECT_EQ(members, 50) << count;
+        EXPECT_EQ(filled, 1) << count;
     }
 }
 

@@ -100,7 +100,7 @@ test::Soup<double> box(int cuts) {
     return soup;
 }
 
-/// Ties of all kinds, from parallel faces, parallel edges and corners, axis-aligned and turned.
+/// Boxes with many ties, from parallel faces, parallel edges and corners, axis-aligned and turned.
 TEST_P(NearestAgreement, symmetric_shapes_match_brute_force) {
     const auto coarse = box(1), fine = box(2);
     const std::vector<Shape> shapes{Shape(coarse.view(), 1), Shape(fine.view())};
@@ -122,7 +122,7 @@ TEST_P(NearestAgreement, symmetric_shapes_match_brute_force) {
 }
 
 /// Uses sizes across the range of float64, among them sizes whose squares underflow or overflow.
-TEST_P(NearestAgreement, largest_and_smallest_numbers_match_brute_force) {
+TEST_P(NearestAgreement, huge_and_tiny_bodies_match_brute_force) {
     for (const double size : {0x1p-1060, 0x1p-600, 0x1p-300, 0x1p250, 0x1p500, 0x1p1020}) {
         const std::vector<std::array<double, 3>> vertices{{-size, -size, 0}, {size, -size, 0}, {0, size, 0},
                                                           {-size, 0, -size}, {size, 0, size},  {0, 0, size}};

@@ -49,7 +49,7 @@ struct PosedShape {
 
 double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
-TEST(BoxDistance, never_exceeds_the_distance_of_points) {
+TEST(BoxDistance, lower_bound_is_at_most_the_distance_of_sampled_points) {
     int apart = 0;
     for (unsigned seed = 0; seed < 2000; ++seed) {
         SCOPED_TRACE(seed);
@@ -71,7 +71,8 @@ TEST(BoxDistance, never_exceeds_the_distance_of_points) {
     }
     EXPECT_GT(apart, 200);
 }
-TEST(BoxDistance, never_exceeds_the_distance_of_points_during_a_step) {
+
+TEST(BoxDistance, lower_bound_of_a_step_is_at_most_the_distance_of_sampled_points) {
     int apart = 0;
     for (unsigned seed = 0; seed < 2000; ++seed) {
         SCOPED_TRACE(seed);
@@ -101,8 +102,9 @@ TEST(BoxDistance, never_exceeds_the_distance_of_points_during_a_step) {
     }
     EXPECT_GT(apart, 200);
 }
-/// Cubes face to face, edge to edge and corner to corner: with rigid poses the bound is nearly the distance.
-TEST(BoxDistance, nearly_equals_the_distance_of_cubes) {
+
+/// Cubes face to face, edge to edge and corner to corner. Poses are translations.
+TEST(BoxDistance, lower_bound_nearly_equals_the_distance_of_axis_aligned_cubes) {
     const Bounds cube{{-1, -1, -1}, {1, 1, 1}};
     const SmallFrame frame{CentredBox(cube)};
     const SmallBox box = frame(CentredBox(cube));

@@ -51,6 +51,7 @@ TEST_P(DistancesOfEachBackend, distance_triangles_and_points_are_reported) {
     EXPECT_EQ(found.points[0][0][2], 0);
     EXPECT_EQ(found.points[0][1][2], 3);
     EXPECT_EQ(found.points[0][0][0], found.points[0][1][0]);
+    EXPECT_EQ(found.points[0][0][1], found.points[0][1][1]);
     EXPECT_EQ(found.statistics.pairs, 1);
 }
 TEST_P(DistancesOfEachBackend, touching_bodies_have_distance_zero) {
@@ -116,7 +117,8 @@ TEST_P(DistancesOfEachBackend, filter_excludes_bodies_and_groups) {
     query.filter.excluded_groups = {{1, 1}};
     EXPECT_EQ(rows(find(bodies, poses, query)), (Rows{{0, 1}, {0, 2}}));
 }
-/// The nearer half of the square belongs to an excluded group, so the other half counts.
+/// Both halves of the square are at the same distance. The first one belongs to an excluded group, so the other one is
+/// reported.
 TEST_P(DistancesOfEachBackend, triangles_of_excluded_groups_do_not_count) {
     const std::vector<std::int32_t> groups{5, 6};
     shapes_.push_back(Shape(MeshView(square, halves, groups), 2));
@@ -218,7 +220,7 @@ TEST(DistanceCalls, first_pair_that_intersects_is_reported) {
     }
 }
 
-TEST(DistanceCalls, call_stops_at_the_first_poll_after_cancellation) {
+TEST(DistanceCalls, stop_request_in_a_poll_ends_the_call_before_the_next_poll) {
     const auto soup = random_soup(3000, 0.05);
     const std::vector<Shape> shapes{Shape(soup.view(), 1)};
     const std::vector<Body> bodies(200);

@@ -22,6 +22,7 @@ TEST(FilteredNearest, bounds_the_distance) {
         const RationalNearest exact(a, b);
         if (exact.touching()) {
             ASSERT_EQ(quick.lower(), 0);
+            ASSERT_GE(quick.upper(), 0);
             return;
         }
         ASSERT_TRUE(exact.within(quick.upper()));
@@ -42,7 +43,7 @@ TEST(FilteredNearest, gives_no_bounds_for_huge_numbers) {
 
 /// Closest parts are the vertices, edges or faces in which two triangles are closest. The triangles of this test share
 /// corners, so that one pair of parts belongs to several pairs of triangles.
-TEST(ClosestParts, triangles_recognised_as_closest_at_the_parts_have_their_distance) {
+TEST(ClosestParts, recognised_pairs_of_triangles_have_the_distance_of_the_closest_parts) {
     int same = 0, others = 0;
     for_triangles(300, [&](RandomTriangles& random, double) {
         const TrianglePoints some = random(0), more = random(0), far = random(6), farther = random(6);

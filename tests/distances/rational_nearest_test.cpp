@@ -71,7 +71,7 @@ TEST(RationalNearest, rounds_overflowing_squares_to_infinity) {
 
 /// Checks that no sampled pair of points is closer than the distance, and that the reported points are at that
 /// distance.
-TEST(RationalNearest, is_least_over_sampled_points) {
+TEST(RationalNearest, no_sampled_points_are_closer_than_the_distance) {
     for_triangles(60, [](RandomTriangles& random, double apart) {
         const TrianglePoints a = random(0), b = random(apart);
         const RationalNearest nearest(a, b);
@@ -95,7 +95,7 @@ TEST(RationalNearest, is_least_over_sampled_points) {
         }
     });
 }
-TEST(RationalNearest, does_not_depend_on_the_order_of_triangles) {
+TEST(RationalNearest, distance_does_not_depend_on_the_order_of_the_two_triangles) {
     for_triangles(60, [](RandomTriangles& random, double apart) {
         const TrianglePoints a = random(0), b = random(apart);
         const RationalNearest one(a, b), other(b, a);

@@ -222,7 +222,7 @@ TEST(RankBodies, impacts_and_proximities_match_a_single_detector) {
 }
 
 // Edges are recomputed when triangles change, even if their number does not.
-TEST(RankBodies, proximities_match_after_triangles_change_but_not_their_number) {
+TEST(RankBodies, proximities_match_a_single_detector_after_corners_of_triangles_change) {
     Soup<float> fan = random_soup<float>(8, 0.5), loose = fan;
     for (std::size_t t = 1; t < fan.triangles.size(); ++t) fan.triangles[t][0] = 0, fan.triangles[t][1] = 1;
     const std::vector<Body> bodies(3, Body{.self = true});
@@ -243,7 +243,7 @@ TEST(RankBodies, proximities_match_after_triangles_change_but_not_their_number) 
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(RankBodies, few_or_no_bodies_match_a_single_detector) {
+TEST(RankBodies, no_or_one_body_matches_a_single_detector) {
     for (const int bodies : {0, 1}) {
         const auto world = random_world(5, one_world(bodies));
         world->poses.clear();

@@ -119,7 +119,7 @@ TEST(RankFeatures, scenes_match_a_single_detector) {
     }
 }
 
-TEST(RankFeatures, alternating_queries_match_a_single_detector_in_a_moving_scene) {
+TEST(RankFeatures, changing_queries_match_a_single_detector_in_a_moving_scene) {
     WholeMesh mesh(wavy_sheet<float>(14));
     constexpr int ranks = 3, frames = 8;
     std::vector<Step> steps;

@@ -179,6 +179,11 @@ TEST_F(MpiRanks, error_is_the_same_on_all_ranks_and_later_calls_succeed) {
         if (rank == failing) std::get<0>(bad.vertices)[7] = std::numeric_limits<float>::quiet_NaN();
         const Error error = error_of([&] { detector.find(bad.share()); });
         const DistributedIntersections& found = detector.find(good.share());
+        std::array<char, 256> message{};
+        std::string(error.what()).copy(message.data(), message.size() - 1);
+        std::array<char, 256> of_rank_0 = message;
+        MPI_Bcast(of_rank_0.data(), static_cast<int>(of_rank_0.size()), MPI_CHAR, 0, MPI_COMM_WORLD);
+        EXPECT_STREQ(message.data(), of_rank_0.data());
         EXPECT_EQ(error.code, ErrorCode::not_finite);
         EXPECT_EQ(error.rank, failing);
         EXPECT_TRUE(rows_are(found, good.triangle_ids, one.find(mesh.view())));

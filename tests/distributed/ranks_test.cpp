@@ -1,4 +1,4 @@
-// Compares many ranks with a single detector, byte by byte, for any number of ranks and any distribution.
+// Compares ranks with a single detector, byte by byte, for several numbers of ranks and distributions of triangles.
 
 #include <gtest/gtest.h>
 
@@ -210,7 +210,7 @@ WholeMesh mingled(const WholeMesh& soup, double time, double unit) {
 }
 
 // One of the scenes is so small that squares of displacements underflow to 0.
-TEST(Ranks, pairs_match_a_single_detector_while_triangles_change_parts) {
+TEST(Ranks, pairs_match_a_single_detector_while_triangles_change_places) {
     const WholeMesh soup(random_soup<double>(400, 0.15));
     constexpr int frames = 12;
     for (const double unit : {1.0, 1e-170}) {
@@ -307,7 +307,7 @@ TEST(Ranks, progress_shows_each_phase_and_part_once) {
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(Ranks, pairs_match_after_triangles_groups_owners_or_precision_changed) {
+TEST(Ranks, pairs_match_a_single_detector_after_triangles_groups_or_precision_change) {
     WholeMesh mesh(wavy_sheet<float>(16));
     const auto torn = [&] {
         WholeMesh other = mesh;
@@ -349,7 +349,7 @@ TEST(Ranks, pairs_match_after_triangles_groups_owners_or_precision_changed) {
     EXPECT_TRUE(verdicts.all());
 }
 
-TEST(Ranks, float64_on_one_rank_is_used_on_all) {
+TEST(Ranks, float64_on_one_rank_and_float32_on_others_match_a_single_detector) {
     const Soup<float> narrow = wavy_sheet<float>(16);
     WholeMesh mesh(narrow), wide = mesh;
     wide.vertices = std::vector<double>(std::get<0>(mesh.vertices).begin(), std::get<0>(mesh.vertices).end());

@@ -139,7 +139,7 @@ TEST_P(CodimensionalFeatures, only_listed_edges_of_a_mesh_have_pairs) {
         << "2 and 3 have an edge, an edge of a face has no pair";
 }
 
-TEST_P(CodimensionalFeatures, listing_all_edges_and_points_of_a_mesh_in_order_changes_nothing) {
+TEST_P(CodimensionalFeatures, mesh_has_the_same_pairs_if_all_its_edges_and_points_are_listed) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 7);
     const Impacts plain = detector_.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
     const Proximities near_plain =
@@ -149,6 +149,7 @@ TEST_P(CodimensionalFeatures, listing_all_edges_and_points_of_a_mesh_in_order_ch
     std::iota(soup.points->begin(), soup.points->end(), 0);
     const Impacts& listed = detector_.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
     for (std::size_t k = 0; k < 2; ++k) EXPECT_TRUE(same_list(listed.lists[k], plain.lists[k]));
+    EXPECT_EQ(listed.count, plain.count) << "no pairs of other kinds";
     EXPECT_TRUE(same_first(listed.first, plain.first));
     const Proximities& near_listed =
         detector_.find(soup.view(), ProximityQuery{.radius = 1, .closest = true, .least = true});
@@ -156,6 +157,7 @@ TEST_P(CodimensionalFeatures, listing_all_edges_and_points_of_a_mesh_in_order_ch
         EXPECT_TRUE(same_list(near_listed.lists[k], near_plain.lists[k]));
         EXPECT_TRUE(same_bytes(near_listed.lists[k].at, near_plain.lists[k].at, "parameters"));
     }
+    EXPECT_EQ(near_listed.count, near_plain.count) << "no pairs of other kinds";
     EXPECT_TRUE(same_bytes(near_listed.edge_distance, near_plain.edge_distance, "least distances"));
 
     // Another order only changes the numbering.

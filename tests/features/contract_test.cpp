@@ -202,6 +202,7 @@ TEST(FeatureCalls, stop_requests_are_polled_between_exact_decisions) {
     int polls = 0;
     detector.set_poll([&] { ++polls; });
     const Impacts& found = detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.min_distance = unit});
+    EXPECT_GT(found.statistics.rational_tests, 10);
     EXPECT_GE(polls, found.statistics.rational_tests);
     std::stop_source stop;
     detector.set_poll([&] { stop.request_stop(); });

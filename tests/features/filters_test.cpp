@@ -205,7 +205,7 @@ void expect_rejected(const FeatureCase& c) {
 }
 
 // All points of one feature are below all of the other along an axis, by at least 0.1.
-TEST(FeatureFilterRejection, features_separated_by_an_axis_are_rejected) {
+TEST(FeatureFilterRejection, features_apart_along_a_coordinate_axis_are_rejected) {
     RandomCases random(Hard::random, true, 103);
     for (int i = 0; i < 400; ++i) {
         FeatureCase c = random(kinds[i % 2], 1 + i / 2 % 2);
@@ -232,7 +232,7 @@ FeatureCase stacked(FeatureKind kind, double height) {
     return {kind, 1, {{{-1.0 * u, {}}, {u, {}}, {0.75 * u - 0.125 * v + h, {}}, {0.75 * u + v + h, {}}}}};
 }
 
-TEST(FeatureFilterRejection, features_separated_by_a_plane_are_rejected) {
+TEST(FeatureFilterRejection, features_apart_along_the_normal_of_a_face_or_edge_pair_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (const double height : {0.01, -0.01})
             for (const float distance : {0.0f, 0.0099f}) {
@@ -242,7 +242,7 @@ TEST(FeatureFilterRejection, features_separated_by_a_plane_are_rejected) {
             }
 }
 
-TEST(FeatureFilterRejection, moving_features_whose_points_are_never_coplanar_are_rejected) {
+TEST(FeatureFilterRejection, nearly_translating_features_that_are_never_coplanar_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (const double height : {0.01, -0.01}) {
             FeatureCase c = stacked(kind, height);
@@ -253,9 +253,9 @@ TEST(FeatureFilterRejection, moving_features_whose_points_are_never_coplanar_are
         }
 }
 
-// At one end of the step the vertex is above the centre of the face, and the direction between their centres separates
-// them. At the other end the direction between their centres does not.
-TEST(FeatureFilterRejection, vertex_and_face_apart_along_their_centre_line_are_rejected) {
+// At one end of the step the vertex is above the centre of the face, and the direction between their centres at that
+// time separates them throughout. The direction between their centres at the other end does not.
+TEST(FeatureFilterRejection, vertex_and_face_apart_along_their_start_or_end_centre_line_are_rejected) {
     const Vec3d n = normal();
     FeatureCase c = stacked(FeatureKind::vertex_face, 0.02);
     c.moments = 2;
@@ -283,7 +283,7 @@ FeatureCase beside_an_edge(FeatureKind kind, std::size_t edge) {
     return c;
 }
 
-TEST(FeatureFilterRejection, features_separated_across_an_edge_of_one_are_rejected) {
+TEST(FeatureFilterRejection, coplanar_features_apart_across_an_edge_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
             FeatureCase c = beside_an_edge(kind, edge);
@@ -298,7 +298,7 @@ TEST(FeatureFilterRejection, features_separated_across_an_edge_of_one_are_reject
 
 // During the step the features are scaled in their plane and moved along its normal. The direction across the edge
 // separates them at both ends.
-TEST(FeatureFilterRejection, moving_features_separated_across_an_edge_of_one_are_rejected) {
+TEST(FeatureFilterRejection, moving_coplanar_features_apart_across_an_edge_are_rejected) {
     for (const FeatureKind kind : kinds)
         for (std::size_t edge = 0; edge < (kind == FeatureKind::vertex_face ? 3 : 2); ++edge) {
             FeatureCase c = beside_an_edge(kind, edge);

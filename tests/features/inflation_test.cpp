@@ -197,7 +197,7 @@ TEST(Inflation, boxes_still_overlap_if_the_square_of_the_motion_underflows) {
 
 // Boxes overlap if two triangles approach to exactly the given share of their distance, but not if they move slightly
 // less.
-TEST(Inflation, inflation_for_a_distance_share_is_tight) {
+TEST(Inflation, boxes_for_a_distance_share_overlap_at_the_share_but_not_just_before_it) {
     // Two triangles approach each other by 1/8 each, from the distance 1/2 to 1/4.
     TriangleCase c{2, {}, {0, 0.5}};
     const auto corner = [](double x, double y, double z, double way) {

@@ -145,7 +145,7 @@ TEST_P(NearFilters, rings_leave_out_features_within_that_many_edges) {
         << "unless vertices at equal positions are one";
 }
 
-TEST_P(NearFilters, least_distances_ignore_rings_and_rest_shape_but_index_does_not) {
+TEST_P(NearFilters, least_distances_ignore_rings_and_rest_shape) {
     const MovingSoup<> soup = strip(4);
     const Proximities all = detector.find(
         soup.view(), ProximityQuery{.radius = 10, .closest = true, .least = true, .rings = 1, .index = true});
@@ -245,6 +245,18 @@ TEST(NearFiltersOfWorlds, rest_shape_and_rings_apply_within_a_body) {
         EXPECT_EQ(count({}), between + within);
         shapes[1].radii = {};
         EXPECT_EQ(count({}), between - 2 + 1) << "that of others is 0";
+
+        // Two equal sheets at the same place: rings leave out pairs within each sheet, but none between the two.
+        const MovingSoup<> sheet = strip(3);
+        const std::vector<Shape> sheets{Shape(sheet.view())};
+        const auto pairs_of_sheets = [&](std::size_t number, std::int32_t rings) {
+            const std::vector<Body> equal(number, Body{.self = true});
+            const ProximityQuery query{.radius = 1, .rings = rings};
+            return detector.find(World{sheets, equal, {}}, query).vertex_faces().pairs.size();
+        };
+        const std::size_t left_out = pairs_of_sheets(1, 0) - pairs_of_sheets(1, 1);
+        EXPECT_GT(left_out, 0U);
+        EXPECT_EQ(pairs_of_sheets(2, 1), pairs_of_sheets(2, 0) - 2 * left_out);
     }
 }
 
@@ -263,6 +275,8 @@ TEST(NearFiltersOfWorlds, radii_and_rest_shapes_are_not_posed) {
         shapes[0].rest = soup.view().vertices;
         EXPECT_FALSE(detector.find(World{shapes, bodies, poses}, ProximityQuery{.rest_radius = 1}).any)
             << "nor is the shape at rest";
+        EXPECT_EQ(detector.find(World{shapes, bodies, poses}, ProximityQuery{.rest_radius = 0.75}).any, scale <= 1)
+            << "a rest shape scaled by 0.5 would leave out the pair";
     }
 }
 

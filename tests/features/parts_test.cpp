@@ -290,7 +290,7 @@ TEST(FeaturePart, queries_that_do_not_match_the_part_are_rejected) {
               std::string("radius must be finite and 0 or more"));
 }
 
-/// Any inconsistent change of a part that comes from elsewhere is an error.
+/// Parts that come from elsewhere may be inconsistent. Checks one inconsistent change at a time.
 TEST(FeaturePart, inconsistent_parts_are_rejected) {
     const auto soup = with_lists(moving_grid(5, 40, 40, 6), 4);
     const Part good = partition(soup, ImpactQuery{}, 2)[0];

@@ -49,7 +49,7 @@ TEST_P(SeparatedTriangles, dropped_pairs_have_no_near_features) {
     EXPECT_LE(differ, cases / 500);
 }
 
-TEST_P(SeparatedTriangles, dropped_pairs_do_not_approach_to_the_distance_share) {
+TEST_P(SeparatedTriangles, dropped_pairs_do_not_come_within_the_distance_share) {
     int dropped = 0;
     for (const bool float32 : {true, false})
         for (const FeatureKind kind : {FeatureKind::vertex_face, FeatureKind::edge_edge}) {
@@ -149,7 +149,7 @@ TEST(TrianglesApart, triangles_that_meet_by_turning_about_a_common_corner_are_ke
     EXPECT_EQ(dropping(c, false, around({})), 0U);
 }
 
-// Triangles with a common side are not dropped, whatever lies on either side of it.
+// Triangles with a common side are not dropped, even if they lie on opposite sides of it and no features are near.
 TEST(TrianglesApart, triangles_with_a_common_side_are_not_dropped) {
     TriangleCase c = fan(60, 120, {}, 0);
     c.share(1, 3);

@@ -69,7 +69,7 @@ __global__ void contact_all(const TrianglePair* pairs, int count, Found* found) 
     if (i < count) found[i].done = contact_on_line(pairs[i].a, pairs[i].b, NothingExact{}, found[i].contact);
 }
 
-TEST_F(Device, contacts_match_the_host) {
+TEST_F(Device, contacts_that_the_device_computes_match_the_host) {
     for (const Kind kind : all_kinds) {
         RandomPairs random(kind, 79);
         std::vector<TrianglePair> pairs;

@@ -67,7 +67,7 @@ TEST(ApproachingOnly, time_of_return_to_the_initial_distance_is_exact) {
     EXPECT_EQ(vertex_edge(still(0, 0, 0), near, {{-9, 0, 0}, {-1, 0, 0}}, within_two), none);
 }
 
-TEST(ApproachingOnly, decides_by_second_derivative_of_distance_if_the_first_is_zero) {
+TEST(ApproachingOnly, edge_that_turns_towards_a_vertex_approaches_but_one_that_slides_does_not) {
     // An edge that turns towards the vertex about its nearest point, and edges that slide or turn without approaching.
     const MovingPoint vertex = still(0, 0, 1);
     EXPECT_EQ(vertex_edge(vertex, {{-4, 0, 0}, {-4, 0, 2}}, {{4, 0, 0}, {4, 0, -2}}, within_two), at_once);
@@ -139,7 +139,7 @@ TEST_P(ApproachingFilter, certain_verdicts_agree_with_rational_arithmetic) {
 }
 
 /// Uses moves that change the distance by a few units in the last place at most.
-TEST_P(ApproachingFilter, is_right_or_undecided_within_rounding_errors) {
+TEST_P(ApproachingFilter, is_right_or_undecided_if_the_distance_changes_by_a_few_ulps_at_most) {
     Tally tally;
     RandomMoves random(Lattice::tiny, 53);
     for (int i = 0; i < 300; ++i) {

@@ -205,7 +205,7 @@ TEST(FilteredMinDistance, is_undecided_for_nan_and_infinity) {
     }
 }
 
-TEST(EdgeEdgeFilter, edges_that_come_close_are_never_rejected) {
+TEST(EdgeEdgeFilter, edges_that_come_within_the_min_distance_are_not_rejected) {
     RandomMoves random(Lattice::wide, 79);
     int farther = 0, none = 0;
     for (int i = 0; i < 1'000; ++i) {

@@ -123,7 +123,7 @@ double rounded_down(int k, int q) {
 
 class ImpactBisection : public testing::TestWithParam<Feature> {};
 
-TEST_P(ImpactBisection, impacts_match_bisection_of_time) {
+TEST_P(ImpactBisection, impacts_match_bisection_within_a_64th_of_the_time) {
     // Shortly before a grazing contact, no direction separates the features throughout an interval of length h = 2^-20.
     // This begins up to about the cube root of h before the contact.
     constexpr double grazing = 0x1p-6;
@@ -145,7 +145,7 @@ TEST_P(ImpactBisection, impacts_match_bisection_of_time) {
     EXPECT_GT(hits, 10);
 }
 
-TEST_P(ImpactBisection, times_of_impact_that_are_fractions_are_exact) {
+TEST_P(ImpactBisection, impacts_are_consistent_with_exact_contact_at_simple_fractions_of_time) {
     // Tests exactly whether the features touch at times k / q with small q. If they do, the impact is not later. If the
     // time of impact is k / q rounded down, they touch at k / q.
     constexpr int largest = 12;

@@ -180,7 +180,7 @@ TEST(Impact, static_features_have_an_impact_iff_they_touch) {
 
 // Gives each coordinate its own magnitude, from nearly the whole range of float64. Impacts are not rare, since many
 // coordinates are 0.
-TEST(Impact, mixed_magnitudes_keep_impacts_when_reordered_or_reversed) {
+TEST(Impact, moves_of_mixed_magnitudes_meet_iff_they_meet_reordered_or_reversed) {
     for (const Feature feature : {Feature::vertex_face, Feature::edge_edge}) {
         RandomMoves random(Lattice::tiny, 37);
         int hits = 0;

@@ -140,7 +140,7 @@ double rounded_down(int k, int q) {
 
 class MinDistanceBisection : public testing::TestWithParam<Feature> {};
 
-TEST_P(MinDistanceBisection, impacts_match_bisection_of_time) {
+TEST_P(MinDistanceBisection, impacts_match_bisection_within_a_64th_of_the_time) {
     // Shortly before a closest approach, no direction keeps the features beyond the distance throughout an interval of
     // length 2^-20. This begins up to 2^-6 before the impact.
     constexpr double grazing = 0x1p-6;
@@ -164,7 +164,7 @@ TEST_P(MinDistanceBisection, impacts_match_bisection_of_time) {
     EXPECT_LT(hits, all);
 }
 
-TEST_P(MinDistanceBisection, times_of_impact_that_are_fractions_are_exact) {
+TEST_P(MinDistanceBisection, impacts_are_consistent_with_exact_distances_at_simple_fractions_of_time) {
     // Computes the exact distance at times k / q with small q. If it is within the minimum distance, the impact is not
     // later. If the time of impact is k / q rounded down, the distance at k / q equals the minimum distance.
     constexpr int largest = 6;

@@ -42,7 +42,7 @@ MinDistanceMove with_positions(MinDistanceMove query, Change change) {
     return query;
 }
 
-TEST(MinDistance, zero_min_distance_gives_the_impact) {
+TEST(MinDistance, zero_min_distance_gives_the_impact_without_min_distance) {
     for_separated(3, [](MinDistanceMove query, const Impact&) {
         query.separation = {};
         const Impact impact = query.move.impact();

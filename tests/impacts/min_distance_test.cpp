@@ -100,7 +100,7 @@ TEST(VertexFaceMinDistance, collapsed_faces_are_measured_like_edges_or_points) {
     EXPECT_EQ(vertex_face(far, origin, right, move({6, 2, 0}, {6, -2, 0}), within(3)), at(0.5));
 }
 
-TEST(EdgeEdgeMinDistance, crossing_edges_have_the_exact_time) {
+TEST(EdgeEdgeMinDistance, crossing_edges_reach_the_min_distance_at_the_exact_time) {
     const auto fall = [](double x, double from, double to, double distance) {
         return edge_edge(origin, right, move({x, -2, from}, {x, -2, to}), move({x, 2, from}, {x, 2, to}),
                          within(distance));
@@ -123,7 +123,7 @@ TEST(EdgeEdgeMinDistance, crossing_edges_have_the_exact_time) {
     EXPECT_EQ(edge_edge(a, b, c, d, within(3 - 0x1p-51)), none);
 }
 
-TEST(EdgeEdgeMinDistance, parallel_and_collapsed_edges_have_the_exact_time) {
+TEST(EdgeEdgeMinDistance, parallel_and_collapsed_edges_reach_the_min_distance_at_the_exact_time) {
     const auto edge = [](Vec3d c, Vec3d d, Vec3d by, double distance) {
         return edge_edge(origin, right, move(c, c + by), move(d, d + by), within(distance));
     };
@@ -155,7 +155,7 @@ TEST(VertexEdgeMinDistance, vertex_is_measured_to_the_line_or_the_nearer_end) {
     EXPECT_EQ(vertex_edge(move({0, 0, 4}, {0, 0, 1}), origin, origin, within(3)), at(third));
 }
 
-TEST(VertexVertexMinDistance, two_vertices_have_the_exact_time) {
+TEST(VertexVertexMinDistance, two_vertices_reach_the_min_distance_at_the_exact_time) {
     EXPECT_EQ(vertex_vertex(move({4, 0, 0}, {1, 0, 0}), origin, within(3)), at(third));
     EXPECT_EQ(vertex_vertex(move({-4, 3, 0}, {4, 3, 0}), origin, within(3)), at(0.5));
     EXPECT_EQ(vertex_vertex(move({-4, 3, 0}, {4, 3, 0}), origin, within(3 - 0x1p-51)), none);

@@ -72,7 +72,7 @@ TEST_P(MinDistanceTruth, zero_min_distance_gives_exact_impacts) {
         EXPECT_EQ((MinDistanceMove{impacts[i].move, {}}).impact(), impacts[i].impact) << impacts[i].move;
 }
 
-TEST_P(MinDistanceTruth, start_flag_changes_within_rounding_of_the_initial_distance) {
+TEST_P(MinDistanceTruth, start_flag_is_set_just_above_and_unset_just_below_the_initial_distance) {
     MinDistanceCounts within, beyond;
     std::int64_t touching = 0;
     for (std::size_t i = 0; i < near_.size(); ++i) {

@@ -193,12 +193,14 @@ TEST(EdgeEdgeImpact, collapsed_edges_act_like_points) {
     EXPECT_EQ(edge_edge(left, east, move({1, 1, 1}, {3, -1, -1}), move({3, -1, 1}, {1, 1, -1})), none);
 }
 
-TEST(EdgeEdgeImpact, interpenetration_is_no_impact) {
-    // An edge that stays in the middle of a face touches none of its vertices and edges.
+TEST(EdgeEdgeImpact, static_edge_that_pierces_a_face_has_no_impact_with_it) {
+    // An edge through the middle of a face touches none of its sides, and the ends of the edge do not touch the face.
     const MovingPoint below = still(1, 1, -1), above = still(1, 1, 1);
     EXPECT_EQ(edge_edge(below, above, origin, right), none);
     EXPECT_EQ(edge_edge(below, above, right, up), none);
+    EXPECT_EQ(edge_edge(below, above, up, origin), none);
     EXPECT_EQ(vertex_face(below, origin, right, up), none);
+    EXPECT_EQ(vertex_face(above, origin, right, up), none);
 }
 
 TEST(VertexEdgeImpact, vertex_meets_inside_and_ends_at_the_exact_time) {

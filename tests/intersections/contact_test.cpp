@@ -68,7 +68,7 @@ TEST(Contact, kind_follows_the_number_of_points) {
     }
 }
 
-TEST(Contact, needs_rationals_for_areas_but_not_for_segments) {
+TEST(Contact, needs_rationals_for_areas_but_not_for_segments_in_general_position) {
     for (const NamedPair& named : named_pairs()) {
         const Contact found = contact(named.pair.a, named.pair.b);
         if (found.kind() == ContactKind::area) {
@@ -117,6 +117,11 @@ TEST(Contact, rounds_ties_to_even) {
             expect_rational_contact({edge, floor});
             const Triangle level{{Vec3d{-9, -1, 0}, {9, -1, 0}, {0, 9, 0}}, {3, 4, 5}};
             expect_rational_contact({edge, level});
+            if (nudge != 0) continue;
+            // The segment is at x = 1 + last 2^-53, the middle between two float64 numbers.
+            const Contact tie = contact(edge, level);
+            ASSERT_EQ(tie.count, 2);
+            for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(tie.points[i].x, last == 1 ? 1 : 1 + 0x1p-51);
         }
     }
 }

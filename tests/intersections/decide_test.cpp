@@ -180,7 +180,7 @@ TEST(Decision, counts_exact_and_rational_decisions) {
 }
 
 #if defined(__SSE2__)
-TEST(Decision, is_right_in_other_floating_point_modes_and_restores_them) {
+TEST(Decision, float_environment_keeps_decisions_right_and_restores_the_callers_mode) {
     const unsigned saved = _mm_getcsr();
     RandomPairs random(Kind::tiny, 37);
     for (int i = 0; i < 400; ++i) {

@@ -56,8 +56,9 @@ TEST(ThreeMf, mesh_holds_all_bodies_as_posed) {
     EXPECT_EQ(mesh.triangle_count(), 12);
     EXPECT_TRUE(mesh.groups.empty());
     const std::vector<double> xyz = coordinates(mesh);
-    EXPECT_EQ(std::vector<double>(xyz.begin(), xyz.begin() + 6), (std::vector<double>{-5, 7, 10, -5, 9, 10}));
-    EXPECT_EQ(std::vector<double>(xyz.begin() + 24, xyz.begin() + 30), (std::vector<double>{0, 0, 0, 1, 0, 0}));
+    EXPECT_EQ(xyz, (std::vector<double>{-5, 7, 10, -5, 9, 10, -6, 7, 10, -5, 7, 11,  // part
+                                        1,  2, 3,  1,  3, 3,  0,  2, 3,  1,  2, 4,   // part_2
+                                        0,  0, 0,  1,  0, 0,  0,  1, 0,  0,  0, 1}));
 }
 
 TEST(ThreeMf, file_is_recognised_by_its_content) {

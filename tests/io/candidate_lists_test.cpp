@@ -59,7 +59,10 @@ TEST(CandidateLists, json_has_one_array_per_listed_kind) {
     const auto all = json::parse(written(example(true), PairFormat::json));
     EXPECT_EQ(all["edge_faces"], json::parse("[[2,3]]"));
     EXPECT_EQ(all["edge_face_bodies"], json::parse("[[1,0]]"));
+    EXPECT_EQ(all["vertex_faces"], json::parse("[[7,1]]"));
+    EXPECT_EQ(all["edge_edges"], json::parse("[[1,2]]"));
     EXPECT_EQ(all["face_faces"], json::parse("[[4,5]]"));
+    EXPECT_EQ(all["vertex_edges"], json::parse("[[8,1]]"));
     EXPECT_EQ(all["vertex_vertices"], json::parse("[[3,4]]"));
     EXPECT_EQ(all["edges"].size(), 5u);
     EXPECT_EQ(all["first_edge"], json::parse("[0,2,5]"));

@@ -88,7 +88,12 @@ TEST(ColouredOverlaps, body_inside_another_is_coloured_entirely) {
 
 TEST(ColouredOverlaps, touching_faces_are_coloured_where_they_touch) {
     const OverlappingBodies bodies({box({0, 0, 0}, {2, 2, 2}), box({0.5, 1, 2}, {1.5, 3, 3})});
-    EXPECT_NEAR(area_of(bodies.ply()), 2 * 1, 1e-12) << "of each body";
+    const TriangleMesh ply = bodies.ply();  // the square (0.5, 1, 2) to (1.5, 2, 2) of each body
+    EXPECT_NEAR(area_of(ply), 2 * 1, 1e-12);
+    for (std::size_t i = 0; i < ply.triangles.size(); ++i) {
+        const Vec3d p = corner(ply, i), middle{1, 1.5, 2}, half{0.5, 0.5, 0};
+        for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(p[axis] - middle[axis]), half[axis] + 1e-12) << i;
+    }
 }
 
 TEST(ColouredOverlaps, self_overlap_of_a_body_is_coloured) {
@@ -192,7 +197,7 @@ TEST(ColouredOverlaps, unsuitable_formats_and_results_are_refused) {
     EXPECT_TRUE(contains(refused("a.glb"), "have no rows"));
 }
 
-TEST(TrianglePieces, pieces_cover_the_triangle_and_do_not_cross_segments) {
+TEST(TrianglePieces, areas_of_pieces_sum_to_the_triangle_and_pieces_do_not_cross_segments) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> share(0, 1);
     for (int round = 0; round < 200; ++round) {
@@ -212,15 +217,18 @@ TEST(TrianglePieces, pieces_cover_the_triangle_and_do_not_cross_segments) {
             for (std::size_t k = 2; k < piece.size(); ++k)
                 area += dot(normal, cross(point(piece[k - 1]) - point(piece[0]), point(piece[k]) - point(piece[0])));
             for (const auto& [p, q] : segments) {
-                const Vec3d across = cross(normal, q - p), middle = 0.5 * (p + q);
-                bool is_left = false, is_right = false, holds_middle = true;
-                for (std::size_t k = 0; k < piece.size(); ++k) {
-                    const Vec3d a = point(piece[k]), b = point(piece[(k + 1) % piece.size()]);
-                    is_left |= dot(across, a - p) > 1e-9;
-                    is_right |= dot(across, a - p) < -1e-9;
-                    holds_middle &= dot(normal, cross(b - a, middle - a)) > 1e-9;
+                const Vec3d across = cross(normal, q - p);
+                for (int tenth = 1; tenth < 10; ++tenth) {
+                    const Vec3d on_segment = p + 0.1 * tenth * (q - p);
+                    bool is_left = false, is_right = false, is_inside = true;
+                    for (std::size_t k = 0; k < piece.size(); ++k) {
+                        const Vec3d a = point(piece[k]), b = point(piece[(k + 1) % piece.size()]);
+                        is_left |= dot(across, a - p) > 1e-9;
+                        is_right |= dot(across, a - p) < -1e-9;
+                        is_inside &= dot(normal, cross(b - a, on_segment - a)) > 1e-9;
+                    }
+                    EXPECT_FALSE(is_left && is_right && is_inside) << round;
                 }
-                EXPECT_FALSE(is_left && is_right && holds_middle) << round;
             }
         }
         EXPECT_NEAR(area, dot(normal, normal), 1e-9 * dot(normal, normal)) << round;

@@ -51,7 +51,9 @@ TEST(ColouredMesh, ply_and_obj_hold_the_second_mesh_after_the_first) {
         write_coloured(folder / name, sample_mesh(), &second, hits_of_two());
         const TriangleMesh both = read_mesh(folder / name);
         EXPECT_EQ(both.precision(), ScalarType::float64) << "the first mesh loses no bit";
-        EXPECT_EQ(both.vertex_count(), 10);
+        std::vector<double> xyz = coordinates(sample_mesh());
+        xyz.resize(30, 0.25);
+        EXPECT_EQ(coordinates(both), xyz) << name;
         EXPECT_EQ(both.triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 2, 3, 4, 1, 0, 5, 6, 7, 5, 7, 8, 9, 6, 5}));
     }
     EXPECT_EQ(face_channel(folder / "a.ply", "blue"), (std::vector<std::int32_t>{178, 0, 178, 178, 178, 0}));
@@ -164,7 +166,7 @@ TEST(ColouredMesh, mtl_file_of_another_program_is_not_overwritten) {
     write();  // files that it has written before are replaced
 }
 
-TEST(ColouredMesh, html_holds_corners_colours_and_contacts) {
+TEST(ColouredMesh, html_arrays_of_corners_colours_and_contacts_have_the_expected_length) {
     const Folder folder;
     Intersections found = one_hit();
     found.pairs.push_back({1, 2});
@@ -306,7 +308,7 @@ TEST(ColouredAnimation, wrong_formats_results_and_rates_are_refused) {
     EXPECT_EQ(error_of([&] { ColouredAnimation animation(0); }).code, ErrorCode::invalid_argument);
 }
 
-TEST(ColouredMesh, collisions_of_another_mesh_are_refused) {
+TEST(ColouredMesh, collisions_with_a_wrong_number_of_triangles_are_refused) {
     const Folder folder;
     const TriangleMesh mesh = sample_mesh();
     for (const char* const name : {"a.ply", "a.obj", "a.glb"}) {

@@ -77,7 +77,7 @@ TEST(Gltf, poses_compose_along_parent_nodes) {
     EXPECT_EQ(world.bodies[0].pose.rows, (Rows{-2, 0, 0, -19, 0, -4, 0, 12, 0, 0, -1, 33}));
 }
 
-TEST(Gltf, bodies_are_the_nodes_of_the_scene_in_order) {
+TEST(Gltf, bodies_are_the_nodes_with_meshes_of_the_scene_in_file_order) {
     GltfScene scene;
     const int shape = scene.add_tetrahedron();
     const int child = scene.add_node({{"name", "child"}, {"mesh", shape}}, false);

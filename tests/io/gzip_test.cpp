@@ -97,7 +97,7 @@ TEST(Gzip, several_members_are_joined) {
     expect_same(read_bytes(gzipped(begin) + gzipped("") + gzipped(end), "a.obj.gz"), read_bytes(triangle, "a.obj"));
 }
 
-TEST(Gzip, truncated_damaged_or_extended_gzip_is_an_error) {
+TEST(Gzip, truncation_wrong_checksum_wrong_length_and_extra_data_are_errors) {
     const std::string whole = gzipped(triangle);
     for (std::size_t size = 2; size < whole.size(); ++size) {
         const Error error = error_of([&] { read_bytes(whole.substr(0, size), "a.obj.gz"); });

@@ -85,7 +85,7 @@ void for_each_replacement(const Json& whole, const Json& value, const std::funct
     }
 }
 
-TEST(HostileGltf, any_replaced_value_is_an_error_or_gives_a_sound_world) {
+TEST(HostileGltf, replaced_json_value_is_an_error_or_gives_a_sound_world) {
     GltfScene scene = full_scene();
     scene.json["buffers"] = {{{"byteLength", scene.bytes.size()}}};
     const std::vector<Json> values{nullptr,

@@ -33,7 +33,7 @@ std::string written(bool csv) {
     return out.str();
 }
 
-TEST(ListTables, rows_have_fields_in_text_and_columns_in_csv) {
+TEST(ListTables, text_rows_hold_only_their_fields_and_csv_rows_all_columns) {
     EXPECT_EQ(written(false), "bird 1:7 0.5\nfish 3 4 2 0\nfish 3 5\n");
     EXPECT_EQ(written(true), "animal,id,food,weight,tame\nbird,1:7,,0.5,1\nfish,4,3,2,0\nfish,5,3,,\n");
 }

@@ -26,7 +26,7 @@ TEST(Off, colours_normals_and_texture_coordinates_are_skipped) {
                 one_triangle);
 }
 
-TEST(Off, polygons_are_fanned_from_their_first_corner) {
+TEST(Off, convex_polygon_is_fanned_from_its_first_corner) {
     EXPECT_EQ(read_bytes("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 3 0 1 2\n", "a.off").triangles,
               (std::vector<std::int32_t>{3, 0, 1, 3, 1, 2}));
 }

@@ -41,6 +41,10 @@ TEST(Pairs, csv_has_a_header_and_equally_many_fields_per_line) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), fields);
     std::getline(lines, line);
     EXPECT_EQ(line, "0,2147483647,segment,2,-2,-2,1,1e+300,1e+300,1,,,,,,,,,,,,");
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), fields);
+    std::getline(lines, line);
+    EXPECT_TRUE(line.starts_with("1,2,area,3,")) << line;
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), fields);
 }
 
 TEST(Pairs, list_written_in_blocks_has_the_rows_of_its_blocks) {

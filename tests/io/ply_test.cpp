@@ -53,7 +53,7 @@ TEST(Ply, every_integer_type_of_lists_is_read) {
     }
 }
 
-TEST(Ply, elements_can_come_in_any_order) {
+TEST(Ply, faces_can_precede_vertices_and_other_elements_are_skipped) {
     const std::string header = "element edge 2\nproperty int a\nproperty list int float w\n" + one_face +
                                "element nothing 1000000000000\n" + three_vertices +
                                "element material 1\nproperty list uint uchar name\n";
@@ -73,7 +73,7 @@ TEST(Ply, unused_properties_of_vertices_and_faces_are_skipped) {
     expect_same(read_bytes(ascii(header, body), "a.ply"), corner);
 }
 
-TEST(Ply, polygons_are_fanned_from_their_first_corner) {
+TEST(Ply, convex_polygon_is_fanned_from_its_first_corner) {
     const std::string header = "element vertex 5\n" + xyz_float + one_face;
     const std::string body = "0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n5 3 4 0 1 2\n";
     EXPECT_EQ(read_bytes(ascii(header, body), "a.ply").triangles,

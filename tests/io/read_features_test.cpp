@@ -35,7 +35,8 @@ TEST(FeatureReading, text_can_have_comments_and_lack_flags) {
 TEST(FeatureReading, edges_and_their_vertices_can_come_in_any_order) {
     const Folder folder;
     const FeatureRow row{{CandidateKind::edge_edge, {0, 0}, {1, 8, 3, 5}}, 0.5, false};
-    for (const char* const text : {"ee 1 8 3 5 0.5 0", "ee 8 1 5 3 0.5", "ee 3 5 1 8 0.5", "ee 5 3 8 1 0.5"})
+    for (const char* const text : {"ee 1 8 3 5 0.5 0", "ee 1 8 5 3 0.5", "ee 8 1 3 5 0.5", "ee 8 1 5 3 0.5",
+                                   "ee 3 5 1 8 0.5", "ee 3 5 8 1 0.5", "ee 5 3 1 8 0.5", "ee 5 3 8 1 0.5"})
         EXPECT_EQ(read_impacts(folder.write("a.txt", text)).rows, std::vector{row}) << text;
     const FeatureRow between{{CandidateKind::edge_edge, {0, 1}, {4, 5, 1, 2}}, 0.5, false};
     for (const char* const text : {"ee 0:4 0:5 1:1 1:2 0.5", "ee 1:2 1:1 0:5 0:4 0.5"}) {

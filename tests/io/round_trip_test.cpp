@@ -41,7 +41,7 @@ class RoundTrip : public testing::Test {
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(RoundTrip, Scalars);
 
-TYPED_TEST(RoundTrip, round_trip_keeps_every_bit) {
+TYPED_TEST(RoundTrip, ply_obj_and_off_keep_every_bit_if_read_at_the_same_precision) {
     for (const char* const name : {"a.ply", "a.obj", "a.off"}) {
         SCOPED_TRACE(name);
         write_mesh(this->folder / name, this->mesh);
@@ -72,7 +72,7 @@ TYPED_TEST(RoundTrip, ply_keeps_groups) {
     expect_same(read_mesh(this->folder / "a.ply", {.group_property = "group"}), this->mesh);
 }
 
-TYPED_TEST(RoundTrip, round_trip_keeps_an_empty_mesh) {
+TYPED_TEST(RoundTrip, ply_off_obj_and_stl_keep_an_empty_mesh) {
     const TriangleMesh empty{std::vector<TypeParam>{}, {}, {}};
     for (const char* const name : {"a.ply", "a.off", "a.obj", "a.stl"}) {
         SCOPED_TRACE(name);

@@ -6,7 +6,7 @@
 namespace crumple::io::test {
 namespace {
 
-TEST(Stl, stl_is_welded_by_exact_position_by_default) {
+TEST(Stl, stl_is_welded_unless_welding_is_turned_off) {
     for (const std::string& bytes : {binary_stl(), ascii_stl()}) {
         EXPECT_EQ(read_bytes(bytes, "a.stl").vertex_count(), 5);
         const TriangleMesh soup = read_bytes(bytes, "a.stl", {.weld = Weld::no});
@@ -23,7 +23,7 @@ TEST(Stl, binary_file_can_begin_with_solid) {
 
 TEST(Stl, several_solids_are_one_mesh) { EXPECT_EQ(read_bytes(ascii_stl(), "a.stl").triangle_count(), 3); }
 
-TEST(Stl, keywords_can_have_any_case) {
+TEST(Stl, keywords_can_be_in_upper_case) {
     std::string upper = ascii_stl();
     for (char& c : upper) c = static_cast<char>(std::toupper(c));
     expect_same(read_bytes(upper, "a.stl"), read_bytes(ascii_stl(), "a.stl"));

@@ -147,7 +147,7 @@ TEST(Triangulation, polygon_whose_corner_touches_its_outline_is_cut_without_over
                                true);
 }
 
-TEST(Triangulation, spikes_become_triangles_without_area) {
+TEST(Triangulation, polygons_with_spikes_are_cut_without_overlaps) {
     expect_cut_however_it_lies({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 2}, {2, 2}}, {0, 1, 2, 3, 4, 5, 4}, true);
     expect_cut_however_it_lies({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {-3, 2}, {0, 2}}, {0, 1, 2, 3, 5, 4, 5}, true);
 }

@@ -133,15 +133,18 @@ TEST(Unit, failed_conversion_changes_nothing) {
     EXPECT_EQ(error.code, ErrorCode::invalid_argument);
     EXPECT_EQ(error.element, Element::vertex);
     EXPECT_EQ(error.index, 1);
-    EXPECT_EQ(large.unit, Unit::metre);
-    EXPECT_EQ(coordinates(large)[3], 1e307);
     EXPECT_EQ(error_of([&] { convert_unit(large, Unit::unknown); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(large.unit, Unit::metre);
+    expect_same(large, corner(Unit::metre, 1e307));
 
     WorldMesh world;
     world.shapes = {corner(Unit::metre), corner(Unit::metre, 1e307)};
     world.unit = Unit::metre;
     EXPECT_EQ(error_of([&] { convert_unit(world, Unit::micrometre); }).code, ErrorCode::invalid_argument);
-    EXPECT_EQ(coordinates(world.shapes[0])[3], 1);
+    EXPECT_EQ(world.unit, Unit::metre);
+    expect_same(world.shapes[0], corner(Unit::metre));
+    expect_same(world.shapes[1], corner(Unit::metre, 1e307));
+    for (const TriangleMesh& shape : world.shapes) EXPECT_EQ(shape.unit, Unit::metre);
 
     const Folder folder;
     Intersections free;

@@ -111,7 +111,7 @@ TEST(FileWriting, read_only_file_is_not_replaced) {
     EXPECT_EQ(files_in(folder.path()), 1u);
 }
 
-TEST(FileWriting, link_can_point_to_nothing_but_not_to_itself) {
+TEST(FileWriting, dangling_link_is_followed_and_link_to_itself_is_an_error) {
     const Folder folder;
     fs::create_directory(folder / "sub");
     fs::create_symlink("sub/target.ply", folder / "link.ply");

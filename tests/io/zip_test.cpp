@@ -136,7 +136,7 @@ TEST(Zip, any_mixture_of_numbers_can_be_in_zip64_fields) {
     }
 }
 
-TEST(Zip, truncation_is_an_error_and_a_damaged_byte_never_changes_the_mesh) {
+TEST(Zip, truncation_is_an_error_and_no_damaged_byte_changes_the_mesh_unnoticed) {
     for (const unsigned large : {0u, unsigned{all}}) {
         const std::string whole = Archive{.large = large}.bytes(parts_of_3mf());
         const TriangleMesh mesh = read_bytes(whole, "a.3mf");
@@ -154,7 +154,7 @@ TEST(Zip, truncation_is_an_error_and_a_damaged_byte_never_changes_the_mesh) {
     }
 }
 
-TEST(Zip, error_explains_why_an_entry_cannot_be_read) {
+TEST(Zip, error_states_possible_reasons_why_an_entry_cannot_be_read) {
     const auto expect_error = [](const Archive& archive, const std::string& what) {
         const Error error = error_of([&] { read_bytes(archive.bytes(parts_of_3mf()), "a.3mf"); });
         EXPECT_EQ(error.code, ErrorCode::format);
@@ -200,7 +200,7 @@ TEST(Zip, zip_with_exactly_one_mesh_is_read_and_others_are_refused) {
     expect_error(damaged, unread);
 }
 
-TEST(Contents, contents_other_than_meshes_are_identified_in_the_error) {
+TEST(Contents, error_identifies_git_lfs_pointers_and_utf_16_text) {
     expect_bad("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5\n", "a.stl", Element::byte, 0,
                "this is a pointer to a file that Git LFS keeps elsewhere; `git lfs pull` downloads the file");
     const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";

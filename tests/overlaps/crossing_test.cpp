@@ -38,7 +38,7 @@ class CrossingOfEachKind : public testing::TestWithParam<Kind> {
     int rounds() const { return rounds_of(GetParam(), 4'000); }
 };
 
-TEST_P(CrossingOfEachKind, signs_are_exact_and_bounds_hold) {
+TEST_P(CrossingOfEachKind, signs_are_exact_and_error_bounds_hold_in_the_filters_range) {
     const FloatEnvironment environment;
     int segments = 0;
     for (int round = 0; round < rounds(); ++round) {

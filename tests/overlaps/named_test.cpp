@@ -122,7 +122,7 @@ TEST_F(KnownOverlaps, aligned_stack_touches_with_the_normal_of_its_faces) {
     }
 }
 
-TEST_F(KnownOverlaps, contact_area_in_a_tilted_plane_is_a_rounded_root) {
+TEST_F(KnownOverlaps, contact_area_in_a_tilted_plane_is_the_exact_area_rounded) {
     std::vector<Soup> soups{box({0, 0, 0}, {1, 1, 1}), box({0.25, 0, 1}, {1.25, 1, 2})};
     for (Soup& soup : soups)
         for (auto& [x, y, z] : soup.vertices) {
@@ -200,7 +200,7 @@ TEST_F(KnownOverlaps, saddle_with_its_tip_on_a_face_of_a_box_overlaps_the_box) {
     EXPECT_EQ(found.relation[0], OverlapRelation::overlapping);
 }
 
-TEST_F(KnownOverlaps, membrane_of_two_sides_has_no_volume) {
+TEST_F(KnownOverlaps, overlap_of_a_two_sided_membrane_with_a_box_has_no_volume) {
     Soup membrane;
     membrane.vertices = {{-1, -1, 0.5}, {2, -1, 0.5}, {0.5, 3, 0.5}};
     membrane.triangles = {{0, 1, 2}, {0, 2, 1}};

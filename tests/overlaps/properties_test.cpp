@@ -166,7 +166,7 @@ TEST_P(OverlapProperties, powers_of_two_scale_the_result) {
     }
 }
 
-TEST_P(OverlapProperties, exact_translations_move_only_the_centroid) {
+TEST_P(OverlapProperties, exact_translations_move_the_centroid_but_keep_volume_and_area_vector) {
     const Numbers by{1024, -3, 0.5};
     const auto moved = [&](const Soup& soup) {
         return changed(soup, [&](auto& p) {
@@ -184,7 +184,7 @@ TEST_P(OverlapProperties, exact_translations_move_only_the_centroid) {
     });
 }
 
-TEST_P(OverlapProperties, reversed_body_has_the_opposite_overlap) {
+TEST_P(OverlapProperties, reversing_a_body_negates_the_volume_and_area_vector) {
     for_pairs(40, [](const Soup& a, const Soup& b) {
         const Row plain = overlap_of(a, b);
         Row found = overlap_of(reversed(a), b);
@@ -195,7 +195,7 @@ TEST_P(OverlapProperties, reversed_body_has_the_opposite_overlap) {
     });
 }
 
-TEST_P(OverlapProperties, subdivided_faces_change_nothing) {
+TEST_P(OverlapProperties, subdivided_faces_change_neither_volume_nor_area_vector) {
     for_pairs(40, [](const Soup& one, const Soup& other) {
         const Soup a = with_few_bits(one), b = with_few_bits(other);
         const Row plain = overlap_of(a, b);
@@ -204,7 +204,7 @@ TEST_P(OverlapProperties, subdivided_faces_change_nothing) {
     });
 }
 
-TEST_P(OverlapProperties, overlaps_of_separate_parts_add_up) {
+TEST_P(OverlapProperties, volumes_and_area_vectors_of_separate_parts_add_up) {
     for_pairs(20, [](const Soup& a, const Soup& b) {
         const Soup away = changed(b, [](auto& p) { p[0] += 64; });
         const Soup both = joined(a, changed(a, [](auto& p) { p[0] += 64; }));
@@ -233,7 +233,7 @@ CurveSums curves_of(const Soup& a, const Soup& b) {
     return sums;
 }
 
-TEST_P(OverlapProperties, curves_of_exchanged_bodies_differ_by_twice_the_area_vector) {
+TEST_P(OverlapProperties, curve_areas_of_exchanged_bodies_differ_by_twice_the_area_vector) {
     for_pairs(60, [](const Soup& a, const Soup& b) {
         const Row row = overlap_of(a, b);
         const CurveSums one = curves_of(a, b), other = curves_of(b, a);
@@ -246,7 +246,7 @@ TEST_P(OverlapProperties, curves_of_exchanged_bodies_differ_by_twice_the_area_ve
     });
 }
 
-TEST_P(OverlapProperties, derivatives_add_up_to_area_vector_and_volume) {
+TEST_P(OverlapProperties, derivatives_sum_to_the_area_vector_and_obey_eulers_identity) {
     for_pairs(20, [](const Soup& a, const Soup& b) {
         Detector detector(Options{.backend = Backend::cpu, .threads = 1});
         const Overlaps& found = detector.find({a.view(), b.view()}, OverlapQuery{.gradient = true});

@@ -59,7 +59,7 @@ TEST(FixedSum, parts_add_up_to_the_whole) {
     EXPECT_EQ(first.rounded_quotient(7)->value, whole.rounded_quotient(7)->value);
 }
 
-TEST(FixedSum, products_of_negative_and_positive_sums_are_exact) {
+TEST(FixedSum, products_of_sums_and_factors_are_rounded_once) {
     std::mt19937_64 random(9);
     for (int round = 0; round < 200; ++round) {
         FixedSum sum, product;

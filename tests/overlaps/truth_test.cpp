@@ -245,7 +245,7 @@ TEST(OverlapTruth, curves_and_segments_have_the_exact_counts) {
     EXPECT_GE(compared, 11);
 }
 
-TEST(OverlapTruth, balls_of_a_scene_have_exact_volumes_rounded_once) {
+TEST(OverlapTruth, overlaps_of_balls_in_a_scene_have_exact_volumes_rounded_once) {
     const Json truth = truth_of("balls16_18.json");
     if (truth.is_null()) GTEST_SKIP() << "no exact results";
     const std::filesystem::path file = *io::test::data_folder() / truth.at("file").get<std::string>();
@@ -297,7 +297,7 @@ TEST(OverlapTruth, self_overlaps_have_exact_volumes) {
     EXPECT_GE(compared, 3);
 }
 
-TEST(OverlapTruth, real_meshes_have_exact_volumes_rounded_once) {
+TEST(OverlapTruth, overlaps_of_real_meshes_have_exact_volumes_rounded_once) {
     const Json cases = cases_of("large.json");
     if (cases.is_null()) GTEST_SKIP() << "no exact results";
     int compared = 0;

@@ -228,7 +228,7 @@ INSTANTIATE_TEST_SUITE_P(Disturbances, FilteredResults, testing::ValuesIn(distur
 });
 
 // Each table of kernels either computes nothing (scalar code) or decides nearly all features in general position.
-TEST(FilteredDistance, simd_kernels_decide_nearly_all_features_in_general_position) {
+TEST(FilteredDistance, each_simd_kernel_decides_nearly_all_features_in_general_position_or_none) {
     const auto tables = cpu::all_feature_kernels();
     std::vector<Share> shares(tables.size());
     for_features(31, 60, [&](Features features, RandomFeatures& random) {
@@ -314,7 +314,7 @@ TEST(FilteredDistance, ties_on_lattices_need_no_rationals) {
 
 // Checks that correct bounds are not too wide: they are at most 2^-70 of the squared distance, and at least one error
 // reaches a fiftieth of its bound.
-TEST(FilteredDistance, error_bounds_are_tight) {
+TEST(FilteredDistance, error_bounds_are_at_most_2_to_the_minus_70_of_the_squared_distance) {
     double closest_to_bound = 0;
     for_features(29, 60, [&](Features features, RandomFeatures& random) {
         features = with_points(

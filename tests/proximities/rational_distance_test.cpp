@@ -32,7 +32,7 @@ void expect(const Features& features, double squared, Type type, double first, d
 // Returns a vertex and the face with corners (0, 0, 0), (4, 0, 0), (0, 4, 0).
 Features to_face(const Vec3d& p) { return vertex_face(p, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}); }
 
-TEST(VertexFaceDistance, is_measured_to_the_inside) {
+TEST(VertexFaceDistance, closest_point_inside_a_face_is_reported_as_such) {
     using enum VertexFaceType;
     expect(to_face({1, 2, 3}), 9, P_T, 0.25, 0.5);
     expect(to_face({1, 2, -3}), 9, P_T, 0.25, 0.5);
@@ -79,13 +79,13 @@ TEST(VertexFaceDistance, is_measured_to_collapsed_faces) {
     expect(vertex_face(x, x, x, x), 0, P_T0, 0, 0);
 }
 
-TEST(EdgeEdgeDistance, is_measured_between_the_insides) {
+TEST(EdgeEdgeDistance, crossing_edges_are_measured_between_inner_points) {
     using enum EdgeEdgeType;
     expect(edge_edge({0, 0, 0}, {4, 0, 0}, {1, -1, 3}, {1, 7, 3}), 9, EA_EB, 0.25, 0.125);
     expect(edge_edge({0, 0, 0}, {4, 0, 0}, {1, -1, 0}, {1, 7, 0}), 0, EA_EB, 0.25, 0.125);
 }
 
-TEST(EdgeEdgeDistance, is_measured_from_an_end_to_the_inside) {
+TEST(EdgeEdgeDistance, distance_is_measured_from_an_end_to_an_inner_point) {
     using enum EdgeEdgeType;
     const Vec3d o{0, 0, 0}, x{4, 0, 0};
     expect(edge_edge(o, x, {1, 1, 2}, {2, 5, 9}), 5, EA_EB0, 0.25, 0);
@@ -137,7 +137,7 @@ TEST(EdgeEdgeDistance, is_measured_to_collapsed_edges) {
     expect(edge_edge(p, p, p, p), 0, EA0_EB0, 0, 0);
 }
 
-TEST(VertexEdgeDistance, is_measured_to_the_inside_and_to_the_ends) {
+TEST(VertexEdgeDistance, distance_is_measured_to_an_inner_point_or_an_end) {
     using enum VertexEdgeType;
     const Vec3d o{0, 0, 0}, x{4, 0, 0};
     expect(vertex_edge({1, 2, 2}, o, x), 8, P_E, 0.25, 0);

@@ -83,7 +83,7 @@ TEST(Ptx, ordered_comparisons_with_nan_fail_and_min_ignores_nan) {
     EXPECT_TRUE(std::signbit(least(0., -0.)));
 }
 
-TEST(Ptx, integer_instructions_give_exact_results) {
+TEST(Ptx, extending_load_wide_product_shift_permute_and_bit_insert_are_exact) {
     EXPECT_EQ(run<std::uint32_t>("ld.param.s8 %r1, [in0];\nst.global.u32 [%rd0], %r1;", std::int8_t{-3}), 0xfffffffdu);
     EXPECT_EQ(run<std::uint64_t>("ld.param.u32 %r1, [in0];\nmul.wide.s32 %rd1, %r1, -2;\nst.global.u64 [%rd0], %rd1;",
                                  std::uint32_t{5}),
@@ -195,7 +195,7 @@ TEST(Ptx, unknown_instructions_and_invalid_accesses_are_rejected) {
     EXPECT_EQ(failure_of([] { run<double>("bra $nowhere;"); }), "no label $nowhere");
 }
 
-TEST(Ptx, kernel_names_match_those_of_the_host_compiler) {
+TEST(Ptx, kernel_name_by_nvcc_is_mapped_to_the_name_by_the_host_compiler) {
     EXPECT_EQ(without_file("_ZN7crumple4cuda41_GLOBAL__N__aa120d3c_9_narrow_cu_08f00e5112exact_kernelENS_5SceneE"),
               "_ZN7crumple4cuda12_GLOBAL__N_112exact_kernelENS_5SceneE");
     EXPECT_EQ(without_file("_ZN7crumple4cuda12_GLOBAL__N_112exact_kernelENS_5SceneE"),

@@ -73,7 +73,7 @@ class PtxKernels : public testing::Test {
     std::int64_t exact_tests_ = 0, contacts_ = 0, impacts_ = 0, near_ = 0;
 };
 
-TEST_F(PtxKernels, comparison_with_the_host_passes_and_launches_every_kernel) {
+TEST_F(PtxKernels, comparison_with_the_host_passes_and_launches_every_deciding_kernel) {
     cuda::reset_comparison_cases();
     Detector({.backend = Backend::cuda});  // throws if a result of the comparison differs
     // Kernels of codimensional features are launched only to reserve their stacks.

@@ -10,7 +10,7 @@
 namespace crumple::ptx {
 namespace {
 
-TEST(Ptx, documented_program_is_wrong_iff_compiled_by_nvcc_13_0) {
+TEST(Ptx, documented_miscompilation_shows_iff_the_installed_nvcc_is_13_0) {
     Program program(read_ptx(CRUMPLE_EXPANSION_COPY));
     const Function& kernel = program.function("opposite_signs");
     Thread thread;

@@ -118,6 +118,7 @@ TEST(FreePath, is_shortened_for_all_if_driven_points_would_meet) {
     EXPECT_LE(way.share, way.toi);
     EXPECT_NEAR(reached[3].z, 0.05, 1e-4);
     EXPECT_GE(reached[3].z, 0.05);
+    for (std::size_t i = 3; i < 6; ++i) EXPECT_NEAR(reached[i].z, start[i].z - way.share, 1e-12) << i;
 }
 
 TEST(FreePath, is_shortened_if_the_distance_reaches_a_tenth_at_its_very_end) {
@@ -223,7 +224,7 @@ class Fall {
     Triangles triangles_;
 };
 
-TEST(FreeCloth, passes_through_nothing) {
+TEST(FreeCloth, falls_on_a_pyramid_without_passing_through_it_or_itself) {
     Fall fall(40);
     Detector detector;
     std::vector<Vec3d> last = fall.points();

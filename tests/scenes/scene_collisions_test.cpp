@@ -24,7 +24,7 @@ double pairs_per_triangle(std::string_view scene, const scenes::Parameters& para
 
 TEST(SceneCollisions, flat_cloth_does_not_collide) { EXPECT_EQ(pairs_per_triangle("cloth", {.triangles = 20'000}), 0); }
 
-TEST(SceneCollisions, folded_cloth_collides_as_often_as_cloth_on_ball) {
+TEST(SceneCollisions, folded_cloth_has_about_0_7_pairs_per_triangle) {
     EXPECT_NEAR(pairs_per_triangle("cloth", {.frame = 93}), 63'602.0 / 92'230, 0.15);
 }
 
@@ -66,7 +66,7 @@ TEST(SceneCollisions, bodies_collide_and_knots_also_self_collide) {
 
 TEST(SceneCollisions, shells_do_not_collide) { EXPECT_EQ(pairs_per_triangle("shells", {.triangles = 10'000}), 0); }
 
-TEST(SceneCollisions, hem_of_the_cloth_intersects_the_ground) {
+TEST(SceneCollisions, scene_ground_has_pairs_with_the_ground_and_none_of_cloth_and_ball) {
     const io::TriangleMesh mesh = scenes::make("ground", {.triangles = 30'000, .frame = 93});
     Detector detector;
     IntersectionQuery query;

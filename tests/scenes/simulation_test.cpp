@@ -161,7 +161,7 @@ TEST(ClothSolver, falls_freely_under_gravity) {
     for (const Vec3d p : solver.points) EXPECT_NEAR(p.z, -1.25, 0.01);
 }
 
-TEST(ClothSolver, keeps_held_points_and_stretches_by_at_most_a_quarter) {
+TEST(ClothSolver, held_corner_stays_and_first_row_stretches_by_at_most_a_quarter) {
     const Fabric fabric = square(10, 0.1);
     ClothSolver solver(fabric, {.shear_speed = 3, .bend_speed = 1, .thickness = 0.04});
     solver.points = level(fabric, 0);

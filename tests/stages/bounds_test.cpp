@@ -9,7 +9,7 @@ namespace {
 using Bounds = Stages;
 INSTANTIATE_TEST_SUITE_P(, Bounds, testing::ValuesIn(stage_backends()), [](const auto& b) { return b.param.name; });
 
-TEST_P(Bounds, vertices_are_mapped_without_rounding_to_minus_1_to_1) {
+TEST_P(Bounds, vertices_are_mapped_into_minus_1_to_1_without_rounding) {
     run([](const StageCase& the, const StageState& state) {
         const Normaliser map(the.scene.low, the.scene.high);
         const std::int64_t n = the.scene.vertex_count(), rows = the.scene.moving ? 2 * n : n;

@@ -45,10 +45,10 @@ class Worlds : public testing::TestWithParam<Backend> {
 TEST_P(Worlds, random_worlds_match_brute_force) {
     for (unsigned seed = 0; seed < seeds; ++seed) compare(seed, {});
 }
-TEST_P(Worlds, named_bodies_match_brute_force) {
+TEST_P(Worlds, worlds_of_named_shapes_match_brute_force) {
     for (unsigned seed = 100; seed < 100 + seeds; ++seed) compare(seed, {.named = 1});
 }
-TEST_P(Worlds, unnamed_bodies_match_brute_force) {
+TEST_P(Worlds, worlds_of_unnamed_shapes_match_brute_force) {
     for (unsigned seed = 200; seed < 200 + seeds; ++seed) compare(seed, {.named = 0});
 }
 TEST_P(Worlds, worlds_at_one_place_match_brute_force) {
@@ -58,7 +58,8 @@ TEST_P(Worlds, worlds_of_many_bodies_match_brute_force) {
     for (unsigned seed = 400; seed < 400 + seeds / 4; ++seed)
         compare(seed, {.bodies = 90, .worlds = 2, .triangles = 5, .everywhere = 0.5, .reach = 2});
 }
-/// Worlds of every size, some of them empty: with one leaf each, or with leaves on one or two levels.
+/// Uses scenes of few and of many worlds, some of them without bodies. Their triangles form one leaf, or leaves on one
+/// or two levels.
 TEST_P(Worlds, scenes_of_2_to_70_worlds_match_brute_force) {
     const auto compare_many = [&](int worlds, const Options& options) {
         SCOPED_TRACE(testing::Message() << worlds << " worlds, leaves of " << options.leaf_size);

@@ -105,7 +105,7 @@ std::vector<unsigned> all_tests() {
                 sum += static_cast<unsigned>(__popc(tests_of_a_pair(pair, kind, lane))) * worth(kind, lane);
     return std::vector<unsigned>(32, sum);
 }
-TEST_F(Planted, items_lost_at_end_of_queue_are_found) {
+TEST_F(Planted, queue_that_loses_its_last_items_is_found) {
     expect_wrong(queues_of_tests<QueueBug::lost_at_the_end>, all_tests());
 }
 TEST_F(Planted, queue_that_takes_one_item_too_many_is_found) {
@@ -237,7 +237,7 @@ TEST_F(Planted, write_outside_shared_memory_is_found) {
     EXPECT_DEATH(write_shared_at(-1),
                  sanitized ? "AddressSanitizer|runtime error" : "wrote .* bytes before its shared memory");
 }
-TEST_F(Planted, array_overrun_within_shared_memory_is_found) {
+TEST_F(Planted, undefined_behaviour_sanitizer_finds_array_overrun_in_shared_memory) {
     const auto body = [](int index) {
         const Array<int> out(threads);
         launch(write_array_in_shared, 1, threads, sizeof(TwoArrays), out.data(), index);
@@ -345,7 +345,7 @@ TEST_F(Planted, invalid_copies_and_fills_are_refused) {
         << "direction";
     EXPECT_EQ(cudaMemset(host.data(), 0, 4), cudaErrorInvalidValue) << "host memory";
 }
-TEST_F(Planted, misaligned_vector_load_is_found) {
+TEST_F(Planted, undefined_behaviour_sanitizer_finds_misaligned_vector_load) {
     const Array<float> in(std::vector<float>(8, 1.0f)), out(1);
     const auto body = [&](int offset) {
         launch(load_four, 1, 1, 0, static_cast<const float*>(in.data()), out.data(), offset);
@@ -358,13 +358,13 @@ TEST_F(Planted, misaligned_vector_load_is_found) {
 
 // Found by ThreadSanitizer alone.
 
-TEST_F(Planted, ballot_used_as_a_fence_is_found) {
+TEST_F(Planted, only_thread_sanitizer_finds_ballot_used_as_a_fence) {
     expect_race([](bool bug) { EXPECT_EQ(run(neighbour, bug), each_thread([](int i) { return 10 * (i ^ 1); })); });
 }
-TEST_F(Planted, warp_queue_rewritten_without_fence_is_found) {
+TEST_F(Planted, only_thread_sanitizer_finds_warp_queue_rewritten_without_fence) {
     expect_race([](bool bug) { EXPECT_EQ(run(queues_of_tests<QueueBug::read_while_written>, bug, 32), all_tests()); });
 }
-TEST_F(Planted, race_between_blocks_is_found) {
+TEST_F(Planted, only_thread_sanitizer_finds_race_between_blocks) {
     settings().workers = 1;  // the race is found even if one worker runs all blocks
     expect_race([](bool bug) {
         const Array<int> count(std::vector<int>{0});
@@ -372,7 +372,7 @@ TEST_F(Planted, race_between_blocks_is_found) {
         EXPECT_EQ(count.values()[0], 20);
     });
 }
-TEST_F(Planted, missing_fence_between_blocks_is_found) {
+TEST_F(Planted, only_thread_sanitizer_finds_missing_fence_between_blocks) {
     expect_race([](bool bug) {
         const Array<int> parts(20), total(1);
         const Array<unsigned> arrived(std::vector<unsigned>{0});
@@ -380,7 +380,7 @@ TEST_F(Planted, missing_fence_between_blocks_is_found) {
         EXPECT_EQ(total.values()[0], 210);
     });
 }
-TEST_F(Planted, missing_or_early_fence_before_last_warp_is_found) {
+TEST_F(Planted, only_thread_sanitizer_finds_missing_or_early_fence_before_last_warp) {
     for (const FenceBug planted : {FenceBug::missing, FenceBug::too_early})
         expect_race([&](bool bug) {
             const Array<unsigned> count(std::vector<unsigned>(32, 0)), arrived(std::vector<unsigned>{0}), total(1);
@@ -389,7 +389,7 @@ TEST_F(Planted, missing_or_early_fence_before_last_warp_is_found) {
             EXPECT_EQ(total.values()[0], 20u * threads);
         });
 }
-TEST_F(Planted, early_reuse_of_block_primitive_storage_is_found) {
+TEST_F(Planted, only_thread_sanitizer_finds_early_reuse_of_block_primitive_storage) {
     expect_race([](bool bug) { EXPECT_EQ(run(two_scans, bug), each_thread([](int i) { return 3 * i; })); });
 }
 

@@ -35,7 +35,7 @@ struct TwoStreams {
     }
 };
 
-TEST_F(Planted, missing_wait_between_streams_is_found) {
+TEST_F(Planted, lazy_streams_show_missing_wait_between_streams) {
     const auto body = [](bool bug) {
         const TwoStreams s;
         const Array<int> from(std::vector<int>{1}), to(std::vector<int>{1});
@@ -53,7 +53,7 @@ TEST_F(Planted, missing_wait_between_streams_is_found) {
     settings().progress = Progress::eager;
     EXPECT_EQ(body(true), 2) << "hidden by eager streams";
 }
-TEST_F(Planted, missing_wait_for_a_copy_is_found) {
+TEST_F(Planted, lazy_streams_show_missing_wait_for_a_copy) {
     int* pinned = nullptr;
     check(cudaMallocHost(&pinned, 4));
     const auto body = [&](bool bug) {
@@ -73,7 +73,7 @@ TEST_F(Planted, missing_wait_for_a_copy_is_found) {
 
 // Launches write results for the host to two slots in turn, because the next launch runs before the host reads the
 // first result. Planted: both launches write the same slot.
-TEST_F(Planted, launch_that_overwrites_a_slot_in_use_is_found) {
+TEST_F(Planted, eager_streams_show_result_overwritten_by_next_launch) {
     int* slots = nullptr;
     check(cudaMallocHost(&slots, 8));
     const auto first_answer = [&](bool bug) {
@@ -100,7 +100,7 @@ TEST_F(Planted, launch_that_overwrites_a_slot_in_use_is_found) {
 
 // Found by the order of a graph's nodes.
 
-TEST_F(Planted, missing_dependency_in_a_graph_is_found) {
+TEST_F(Planted, reverse_order_shows_missing_dependency_in_a_graph) {
     const auto body = [](bool bug) {
         const TwoStreams s;
         const Array<int> from(std::vector<int>{1}), to(std::vector<int>{1});
@@ -129,7 +129,7 @@ TEST_F(Planted, missing_dependency_in_a_graph_is_found) {
     EXPECT_EQ(body(true), 1);
 }
 // A branch of a graph writes the input of the next launch. Planted: it overwrites the input of the current one.
-TEST_F(Planted, branch_that_writes_input_of_other_nodes_is_found) {
+TEST_F(Planted, reverse_order_shows_branch_that_overwrites_input_of_other_nodes) {
     const auto body = [](bool bug) {
         const TwoStreams s;
         const Array<int> now(std::vector<int>{0}), next(std::vector<int>{1}), to(std::vector<int>{0});
@@ -157,6 +157,9 @@ TEST_F(Planted, branch_that_writes_input_of_other_nodes_is_found) {
     EXPECT_EQ(body(false), 1);
     EXPECT_EQ(body(true), 2);
 }
+
+// Found by the default settings.
+
 // A graph is updated to the address of the current frame's array. Planted: it is not updated, or only after its launch.
 TEST_F(Planted, graph_with_outdated_array_address_is_found) {
     enum { updates, never, too_late };
@@ -226,7 +229,7 @@ TEST_F(Planted, allocation_in_capture_is_refused_unless_relaxed) {
 }
 // A library destroys a cached executable graph while its caller, or another thread, captures. Planted: the library's
 // thread is not in relaxed mode.
-TEST_F(Planted, destroying_executable_spoils_captures_unless_relaxed) {
+TEST_F(Planted, destroying_executable_invalidates_captures_unless_relaxed) {
     const TwoStreams s;
     const auto leaves_capture_alone = [&](bool bug, bool in_another_thread) {
         check(cudaStreamBeginCapture(s.first, cudaStreamCaptureModeThreadLocal));

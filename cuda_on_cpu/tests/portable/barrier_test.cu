@@ -73,7 +73,7 @@ __global__ void votes(int* out) {
     out[i] = count * 16 + (any != 0) * 8 + (none != 0) * 4 + (all != 0) * 2 + (not_all != 0);
 }
 
-TEST_F(Barrier, barrier_counts_a_predicate) {
+TEST_F(Barrier, barriers_report_count_any_and_all_of_a_predicate) {
     const Array<int> out(70);
     launch(votes, 1, 70, 0, out.data());
     EXPECT_EQ(out.values(), std::vector<int>(70, 24 * 16 + 8 + 2));

@@ -217,7 +217,7 @@ TEST_F(Graph, updates_change_parameters_but_not_topology) {
     for (const cudaGraph_t graph : {first, second, third}) check(cudaGraphDestroy(graph));
 }
 
-TEST_F(Graph, a_host_round_trip_spoils_a_capture) {
+TEST_F(Graph, host_wait_or_allocation_invalidates_a_capture) {
     const Array<int> x(1);
     begin();
     EXPECT_EQ(cudaStreamSynchronize(stream), cudaErrorStreamCaptureUnsupported);
@@ -246,7 +246,7 @@ TEST_F(Graph, legacy_stream_copy_spares_captures_of_non_blocking_streams) {
     check(cudaGraphDestroy(end()));
 }
 
-TEST_F(Graph, capture_is_spoilt_only_by_calls_that_are_refused) {
+TEST_F(Graph, capture_is_invalidated_only_by_calls_that_are_refused) {
     for_each_call([&](auto ask, bool spoils) {
         begin();
         const bool refused = ask() != cudaSuccess;
@@ -256,7 +256,7 @@ TEST_F(Graph, capture_is_spoilt_only_by_calls_that_are_refused) {
     });
 }
 
-TEST_F(Graph, another_thread_spoils_a_capture_only_if_both_are_global) {
+TEST_F(Graph, allocating_in_another_thread_invalidates_capture_only_if_both_are_global) {
     struct Case {
         cudaStreamCaptureMode capture, thread;
         bool minds;
@@ -295,7 +295,7 @@ TEST_F(Graph, another_thread_spoils_a_capture_only_if_both_are_global) {
     }
 }
 
-TEST_F(Graph, device_wait_in_relaxed_mode_spoils_global_captures) {
+TEST_F(Graph, device_wait_in_relaxed_mode_invalidates_global_capture_of_another_thread) {
     begin(cudaStreamCaptureModeGlobal);
     std::thread([] {
         cudaStreamCaptureMode mode = cudaStreamCaptureModeRelaxed;

@@ -108,7 +108,7 @@ __global__ void add_one(int* data, int n) {
     for (int i = static_cast<int>(threadIdx.x); i < n; i += static_cast<int>(blockDim.x)) data[i] += 1;
 }
 
-TEST_F(Memory, allocations_happen_in_stream_order) {
+TEST_F(Memory, memory_allocated_in_stream_order_is_usable_by_later_work) {
     cudaStream_t stream;
     check(cudaStreamCreate(&stream));
     cudaMemPool_t pool;

@@ -70,7 +70,7 @@ TEST_F(Stream, the_legacy_stream_and_blocking_streams_wait_for_each_other) {
     EXPECT_EQ(read(x.data(), stream), 18);
 }
 
-TEST_F(Stream, events_measure_time) {
+TEST_F(Stream, timed_events_report_elapsed_time_and_untimed_ones_do_not) {
     const OwnStream stream;
     const Array<int> x(1);
     cudaEvent_t begin, end, untimed;
