@@ -3,6 +3,7 @@
 // Cancellation of a running call before its result is complete.
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <stop_token>
 #include <thread>
@@ -47,5 +48,17 @@ class Cancellation {
     std::thread::id caller_;
     Clock::time_point polled_;  ///< time of the last poll, or of begin(); used by the caller's thread only
 };
+
+/// Calls body(i) for each i in [0, n), in order, and checks for cancellation after every 65,536 calls. For loops over
+/// the rows of a result, whose single calls are cheap.
+template <class Body>
+void for_each_checked(std::size_t n, Cancellation& cancellation, Body body) {
+    constexpr std::size_t block = 1 << 16;
+    for (std::size_t begin = 0; begin < n; begin += block) {
+        cancellation.check();
+        const std::size_t end = begin + block < n ? begin + block : n;
+        for (std::size_t i = begin; i < end; ++i) body(i);
+    }
+}
 
 }  // namespace crumple

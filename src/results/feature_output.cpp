@@ -65,19 +65,19 @@ void swap_arrays(Answer& mine, Answer& theirs) {
 // Pairs are sorted by first feature, so counting them gives its offsets. A stable counting sort gives the order by
 // second feature.
 template <class List>
-void index_list(List& list, std::int64_t firsts, std::int64_t seconds) {
+void index_list(List& list, std::int64_t firsts, std::int64_t seconds, Cancellation& cancellation) {
     list.offsets.assign(static_cast<std::size_t>(firsts) + 1, 0);
     list.second_offsets.assign(static_cast<std::size_t>(seconds) + 2, 0);
     list.by_second.resize_discard(list.pairs.size());
-    for (const Pair& pair : list.pairs) {
-        ++list.offsets[pair.a + 1];
-        ++list.second_offsets[pair.b + 2];
-    }
+    for_each_checked(list.pairs.size(), cancellation, [&](std::size_t i) {
+        ++list.offsets[list.pairs[i].a + 1];
+        ++list.second_offsets[list.pairs[i].b + 2];
+    });
     for (std::int64_t i = 0; i < firsts; ++i) list.offsets[i + 1] += list.offsets[i];
     std::int64_t* next = list.second_offsets.data() + 1;
     for (std::int64_t i = 0; i < seconds; ++i) next[i + 1] += next[i];
-    for (std::size_t i = 0; i < list.pairs.size(); ++i)
-        list.by_second[next[list.pairs[i].b]++] = static_cast<std::int64_t>(i);
+    for_each_checked(list.pairs.size(), cancellation,
+                     [&](std::size_t i) { list.by_second[next[list.pairs[i].b]++] = static_cast<std::int64_t>(i); });
     list.second_offsets.resize(static_cast<std::size_t>(seconds) + 1);
 }
 
@@ -129,7 +129,11 @@ void swap_out(Candidates& mine, Candidates& theirs) {
     clear(mine);
 }
 
-void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds) { index_list(list, firsts, seconds); }
-void make_index(ProximityList& list, std::int64_t firsts, std::int64_t seconds) { index_list(list, firsts, seconds); }
+void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds, Cancellation& cancellation) {
+    index_list(list, firsts, seconds, cancellation);
+}
+void make_index(ProximityList& list, std::int64_t firsts, std::int64_t seconds, Cancellation& cancellation) {
+    index_list(list, firsts, seconds, cancellation);
+}
 
 }  // namespace crumple

@@ -55,7 +55,7 @@ void swap_rows(List& list, FeatureRows& rows) {
 
 /// Makes the offsets of a list's pairs by their first and by their second feature. `firsts`, `seconds`: numbers of
 /// features that can be first or second.
-void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds);
-void make_index(ProximityList& list, std::int64_t firsts, std::int64_t seconds);
+void make_index(ImpactList& list, std::int64_t firsts, std::int64_t seconds, Cancellation& cancellation);
+void make_index(ProximityList& list, std::int64_t firsts, std::int64_t seconds, Cancellation& cancellation);
 
 }  // namespace crumple

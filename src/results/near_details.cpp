@@ -38,11 +38,12 @@ Features features_at_start(const PreparedScene& scene, const SceneFeatures& feat
 }
 
 // Lowers the value of each feature to the least value of its pairs.
-void lower(const Array<Pair>& pairs, const Array<double>& value, Array<double>& of_first, Array<double>& of_second) {
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
+void lower(const Array<Pair>& pairs, const Array<double>& value, Array<double>& of_first, Array<double>& of_second,
+           Cancellation& cancellation) {
+    for_each_checked(pairs.size(), cancellation, [&](std::size_t i) {
         of_first[pairs[i].a] = std::min(of_first[pairs[i].a], value[i]);
         of_second[pairs[i].b] = std::min(of_second[pairs[i].b], value[i]);
-    }
+    });
 }
 
 }  // namespace
@@ -70,25 +71,26 @@ void append_closest(const PreparedScene& scene, const SceneFeatures& features, F
 // Rounding is monotonic: the least distance of a feature is that of a pair whose rounded squared distance is least.
 // Only the distances of such pairs are computed.
 void add_least_distances(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers,
-                         Proximities& answer) {
+                         Cancellation& cancellation, Proximities& answer) {
     constexpr double none = std::numeric_limits<double>::infinity();
     const auto of = [&](FeatureKind kind, Array<double>& firsts, Array<double>& seconds) {
         const ProximityList& list = answer[kind];
         Array<double> first_square, second_square, distance;
         first_square.assign(firsts.size(), none);
         second_square.assign(seconds.size(), none);
-        lower(list.pairs, list.squared_distance, first_square, second_square);
-        distance.assign(list.pairs.size(), none);
+        lower(list.pairs, list.squared_distance, first_square, second_square, cancellation);
+        distance.resize_discard(list.pairs.size());
         for_each_chunk(list.pairs.size(), workers, [&](std::size_t begin, std::size_t end) {
             DistanceCounts counts;
             for (std::size_t i = begin; i < end; ++i) {
                 const Pair pair = list.pairs[i];
                 const double square = list.squared_distance[i];
+                distance[i] = none;
                 if (square > first_square[pair.a] && square > second_square[pair.b]) continue;
                 distance[i] = Distance(features_at_start(scene, features, kind, pair), counts).rounded_down();
             }
         });
-        lower(list.pairs, distance, firsts, seconds);
+        lower(list.pairs, distance, firsts, seconds, cancellation);
     };
     answer.vertex_distance.assign(static_cast<std::size_t>(features.points()), none);
     answer.face_distance.assign(static_cast<std::size_t>(features.faces()), none);
@@ -100,10 +102,10 @@ void add_least_distances(const PreparedScene& scene, const SceneFeatures& featur
 }
 
 void add_details(const PreparedScene& scene, const SceneFeatures& features, const ProximityQuery& query,
-                 ParallelFor& workers, Proximities& result) {
+                 ParallelFor& workers, Cancellation& cancellation, Proximities& result) {
     for (std::size_t k = 0; query.closest && k < feature_kinds; ++k)
         append_closest(scene, features, static_cast<FeatureKind>(k), result.lists[k].pairs, &workers, result.lists[k]);
-    if (query.least) add_least_distances(scene, features, workers, result);
+    if (query.least) add_least_distances(scene, features, workers, cancellation, result);
 }
 
 }  // namespace crumple

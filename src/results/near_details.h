@@ -3,6 +3,7 @@
 // Optional details of proximities, made from complete lists: closest points of each pair, and least distance of each
 // feature.
 
+#include "base/cancellation.h"
 #include "base/parallel_for.h"
 #include "crumple/array.h"
 #include "crumple/features.h"
@@ -20,7 +21,7 @@ void append_closest(const PreparedScene& scene, const SceneFeatures& features, F
 /// Makes the least distances of all features of a single mesh from its lists, which must be complete: no pair within
 /// the radius may be missing.
 void add_least_distances(const PreparedScene& scene, const SceneFeatures& features, ParallelFor& workers,
-                         Proximities& answer);
+                         Cancellation& cancellation, Proximities& answer);
 
 /// Holds the least distances of a result while another search makes its lists: swap_with() swaps them with those of the
 /// result.
@@ -36,6 +37,6 @@ struct LeastDistances {
 
 /// Adds the requested details to a result whose pairs have indices of the scene.
 void add_details(const PreparedScene& scene, const SceneFeatures& features, const ProximityQuery& query,
-                 ParallelFor& workers, Proximities& result);
+                 ParallelFor& workers, Cancellation& cancellation, Proximities& result);
 
 }  // namespace crumple

@@ -125,7 +125,7 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
             swap_found<Query>(result);
             backend.find(scene, all, found_);
             swap_found<Query>(result);
-            add_least_distances(scene, features_, backend, result);
+            add_least_distances(scene, features_, backend, cancellation_, result);
             least.swap_with(result);
         }
     }
@@ -153,10 +153,10 @@ void FeatureSearch::find(BackendBase& backend, const Part& part, const Query& qu
             return type == FeatureType::edge ? static_cast<std::int64_t>(given.edges.size()) : features_.points();
         };
         const FeatureTypes types = types_of(kind);
-        if (query.index) make_index(list, of(types.first), of(types.second));
+        if (query.index) make_index(list, of(types.first), of(types.second), cancellation_);
     }
     if constexpr (is_near<Query>) {
-        add_details(scene, features_, details, backend, result);
+        add_details(scene, features_, details, backend, cancellation_, result);
         if (query.least && !details.least) least.swap_with(result);
     }
     for (std::size_t k = 0; k < feature_kinds; ++k)

@@ -170,12 +170,13 @@ void FeatureSearch::index_lists(const Query& query, typename Query::Result& resu
     const Shape& shape = outline_.shape(0);
     const auto edges = static_cast<std::int64_t>(result.edges.size());
     const auto points = shape.points ? static_cast<std::int64_t>(shape.points->size()) : shape.vertices.rows;
-    make_index(result[FeatureKind::vertex_face], points, outline_.triangles());
-    make_index(result[FeatureKind::edge_edge], edges, edges);
-    make_index(result[FeatureKind::vertex_edge], points, edges);
-    make_index(result[FeatureKind::vertex_vertex], points, points);
+    make_index(result[FeatureKind::vertex_face], points, outline_.triangles(), cancellation_);
+    make_index(result[FeatureKind::edge_edge], edges, edges, cancellation_);
+    make_index(result[FeatureKind::vertex_edge], points, edges, cancellation_);
+    make_index(result[FeatureKind::vertex_vertex], points, points, cancellation_);
     if constexpr (is_motion<Query>)
-        if (query.triangle_pairs) make_index(result.triangle_pairs, outline_.triangles(), outline_.triangles());
+        if (query.triangle_pairs)
+            make_index(result.triangle_pairs, outline_.triangles(), outline_.triangles(), cancellation_);
 }
 
 void FeatureSearch::read(const World& world, const PairFilter& rules) {
@@ -278,7 +279,7 @@ void FeatureSearch::search_in_place(BackendBase& backend, const Query& query, ty
         swap_rows(result.triangle_pairs, triangle_impacts_.rows());
         name_body(result.triangle_pairs);
     }
-    if constexpr (is_near<Query>) add_details(scene, features_, query, backend, result);
+    if constexpr (is_near<Query>) add_details(scene, features_, query, backend, cancellation_, result);
 }
 
 template <class Query>
@@ -321,7 +322,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
         if (query.triangle_pairs)
             append_rows(types_of(CandidateKind::face_face), triangle_impacts_.rows(), false, result.triangle_pairs);
     if constexpr (is_near<Query>)
-        if (query.least) add_least_distances(scene, features_, backend, result);
+        if (query.least) add_least_distances(scene, features_, backend, cancellation_, result);
 }
 
 template <class Query>

@@ -16,7 +16,7 @@ constexpr std::int64_t features_at_once = 4096;
 
 // Sorts rows: by first feature in a counting sort on this thread, then the rows of each first feature by the second one
 // on all threads.
-void write_rows(std::span<const FeatureRows* const> found, std::int64_t firsts, Workers& workers,
+void write_rows(std::span<const FeatureRows* const> found, std::int64_t firsts, const Call& call,
                 FeatureBuffers& buffers, FeatureRows& rows) {
     Array<std::int64_t>& place = buffers.place;
     place.assign(static_cast<std::size_t>(firsts) + 2, 0);
@@ -24,14 +24,15 @@ void write_rows(std::span<const FeatureRows* const> found, std::int64_t firsts, 
     std::size_t all = 0;
     for (const auto* list : found) {
         all += list->size();
-        for (const Pair& pair : list->pairs) ++next[pair.a + 1];
+        for_each_checked(list->size(), call.cancellation, [&](std::size_t i) { ++next[list->pairs[i].a + 1]; });
     }
     for (std::int64_t i = 0; i < firsts; ++i) next[i + 1] += next[i];
     buffers.placed.resize_discard(all);
     for (const auto* list : found)
-        for (std::size_t i = 0; i < list->size(); ++i) buffers.placed[next[list->pairs[i].a]++] = (*list)[i];
+        for_each_checked(list->size(), call.cancellation,
+                         [&](std::size_t i) { buffers.placed[next[list->pairs[i].a]++] = (*list)[i]; });
     rows.resize_discard(all);
-    workers.parallel_for(
+    call.workers.parallel_for(
         static_cast<std::size_t>((firsts + features_at_once - 1) / features_at_once), [&](std::size_t c, std::size_t) {
             const std::int64_t begin = static_cast<std::int64_t>(c) * features_at_once,
                                end = std::min(firsts, begin + features_at_once);
@@ -64,7 +65,7 @@ void write(const Call& call, const FeatureRequest& query, const FeatureLeaves<mo
             result.first = first_of(leaves.found(kind), kind, result.first);
         if (query.extent != Extent::all || !query.lists(candidate_kind(kind))) continue;
         const std::int64_t firsts = count_of(query.features, types_of(kind).first);
-        write_rows(leaves.found(kind), firsts, call.workers, buffers, result.rows[kind]);
+        write_rows(leaves.found(kind), firsts, call, buffers, result.rows[kind]);
     }
 }
 void write(const Call& call, const FeatureRequest& query, const CandidateLeaves&, FeatureBuffers& buffers,

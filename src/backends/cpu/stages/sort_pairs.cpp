@@ -88,10 +88,11 @@ void sort(Workers& workers, std::span<const Array<Pair>* const> found, PairCount
     const std::int64_t bucket_size = std::int64_t{1} << bucket_bits;
     const auto buckets = static_cast<std::size_t>((n + bucket_size - 1) / bucket_size);
 
-    // The workers' lists differ in length, so they are cut into pieces.
+    // The workers' lists differ in length, so they are cut into pieces. Pieces are at most as long as a task may take
+    // between two checks for cancellation.
     std::size_t all = 0;
     for (const auto* list : found) all += list->size();
-    const std::size_t piece_size = std::max<std::size_t>(8192, all / (8 * found.size()) + 1);
+    const std::size_t piece_size = std::clamp<std::size_t>(all / (8 * found.size()) + 1, 8192, 1 << 20);
     const std::size_t most_pieces = all / piece_size + found.size();  // enough for any distribution among workers
     scratch.pieces.clear();
     scratch.pieces.reserve(most_pieces);
