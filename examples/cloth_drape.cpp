@@ -38,7 +38,7 @@ struct Solid {
 
 Solid make_ball(double height) {
     scenes::Soup soup;
-    scenes::add_globe(soup, 32, 24, {.origin = {0, 0, height}});
+    scenes::add_uv_sphere(soup, 32, 24, {.origin = {0, 0, height}});
     const io::TriangleMesh mesh = soup.take();
     const auto& xyz = std::get<std::vector<float>>(mesh.vertices);
     const auto& corners = mesh.triangles;

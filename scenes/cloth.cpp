@@ -152,7 +152,7 @@ std::int64_t add_cloth(Soup& soup, const Parameters& parameters, int block, int 
     sheet.add_vertices(soup, begin, end + 1);
     sheet.add_triangles(soup, begin, end);
     soup.group(0);
-    if (with_ball) add_globe(soup, slices, slices, {.origin = Drape::ball_centre, .scale = Drape::ball_radius});
+    if (with_ball) add_uv_sphere(soup, slices, slices, {.origin = Drape::ball_centre, .scale = Drape::ball_radius});
     soup.group(1);
     return begin * std::int64_t{cells + 1};
 }

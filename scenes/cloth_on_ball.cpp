@@ -69,10 +69,10 @@ class ClothOnBall : public Simulation {
         for (const Fabric::Corners& corners : fabric_.triangles) soup.triangle(corners);
         soup.group(0);
         const double a = turns(frame * frame_time);
-        add_globe(soup, slices_, slices_,
-                  {.axes = {Vec3d{cosine(a), sine(a), 0}, Vec3d{-sine(a), cosine(a), 0}, Vec3d{0, 0, 1}},
-                   .origin = {0, 0, ball_height},
-                   .scale = ball_radius});
+        add_uv_sphere(soup, slices_, slices_,
+                      {.axes = {Vec3d{cosine(a), sine(a), 0}, Vec3d{-sine(a), cosine(a), 0}, Vec3d{0, 0, 1}},
+                       .origin = {0, 0, ball_height},
+                       .scale = ball_radius});
         soup.group(1);
         return soup.take();
     }

@@ -74,7 +74,7 @@ class Cutting : public Simulation {
         for (std::size_t i = 0; i < points.size(); i += 3) soup.vertex({points[i], points[i + 1], points[i + 2]});
         for (const Fabric::Corners& corners : fabric(frame).triangles) soup.triangle(corners);
         soup.group(0);
-        add_globe(soup, slices_, slices_, {.origin = {0, 0, ball_radius}, .scale = ball_radius});
+        add_uv_sphere(soup, slices_, slices_, {.origin = {0, 0, ball_radius}, .scale = ball_radius});
         soup.group(1);
         return soup.take();
     }

@@ -94,7 +94,7 @@ class ClothInFunnel : public Simulation {
         soup.group(1);
         MovingBall ball;
         place(ball, frame * frame_time);
-        add_globe(soup, slices_, slices_, {.origin = ball.centre, .scale = ball.radius});
+        add_uv_sphere(soup, slices_, slices_, {.origin = ball.centre, .scale = ball.radius});
         soup.group(2);
         add_ground(soup);
         soup.group(3);

@@ -31,7 +31,7 @@ void Soup::triangle(Vec3d a, Vec3d b, Vec3d c) {
     triangle({first, first + 1, first + 2});
 }
 
-void add_globe(Soup& soup, int slices, int stacks, const ScaledPose& pose) {
+void add_uv_sphere(Soup& soup, int slices, int stacks, const ScaledPose& pose) {
     const std::int32_t north = soup.vertex(pose({0, 0, 1})), south = soup.vertex(pose({0, 0, -1}));
     const std::int32_t first = south + 1;
     for (int j = 1; j < stacks; ++j) {

@@ -45,8 +45,8 @@ struct ScaledPose {
 
 // Closed and watertight solids: adjacent triangles share vertices by index.
 
-/// Adds a unit sphere of meridians and parallels about z, with 2 * slices * (stacks - 1) triangles.
-void add_globe(Soup& soup, int slices, int stacks, const ScaledPose& pose);
+/// Adds a unit sphere of meridians and parallels about z (a UV sphere), with 2 * slices * (stacks - 1) triangles.
+void add_uv_sphere(Soup& soup, int slices, int stacks, const ScaledPose& pose);
 /// Adds a unit sphere, made of an icosahedron whose edges are cut into `cuts` parts: 20 cuts² triangles.
 void add_icosphere(Soup& soup, int cuts, const ScaledPose& pose);
 /// Adds a box of half widths `half`, whose edges are cut into `cuts` parts: 12 cuts² triangles.

@@ -88,8 +88,8 @@ std::vector<Edge> edges_of_all(RankLink& link, const RankInput& input) {
 }
 
 template <class Result, auto value, auto flag, class Found>
-RankList<Result> list_of_features(RankLink& link, const RankInput& input, const Found& found,
-                                  const io::FeatureWords& words) {
+RankList<Result> rank_list_of_features(RankLink& link, const RankInput& input, const Found& found,
+                                       const io::FeatureWords& words) {
     const auto rows = std::make_shared<const RowsByKind>(rows_in_order<value, flag>(link, found));
     RankList<Result> list{words.rows(), {}, {}};
     for (std::size_t kind = 0; kind < rows->size(); ++kind)
@@ -141,8 +141,8 @@ Contacts collect(RankLink& link, const Contacts& mine) {
 
 }  // namespace
 
-RankList<Intersections> list_of(RankLink& link, const RankInput& input, const IntersectionQuery& query,
-                                const DistributedIntersections& found) {
+RankList<Intersections> rank_list_of(RankLink& link, const RankInput& input, const IntersectionQuery& query,
+                                     const DistributedIntersections& found) {
     const auto add_rows = [&found](io::RowWriter& writer) {
         io::add_pairs(writer, found.pairs.span(), found.contacts);
     };
@@ -159,14 +159,15 @@ RankList<Intersections> list_of(RankLink& link, const RankInput& input, const In
     return {io::pair_rows(query.contacts()), {add_rows}, collect_pairs};
 }
 
-RankList<Impacts> list_of(RankLink& link, const RankInput& input, const ImpactQuery&, const DistributedImpacts& found) {
-    return list_of_features<Impacts, &ImpactList::toi, &ImpactList::start>(link, input, found, io::impact_words);
+RankList<Impacts> rank_list_of(RankLink& link, const RankInput& input, const ImpactQuery&,
+                               const DistributedImpacts& found) {
+    return rank_list_of_features<Impacts, &ImpactList::toi, &ImpactList::start>(link, input, found, io::impact_words);
 }
 
-RankList<Proximities> list_of(RankLink& link, const RankInput& input, const ProximityQuery&,
-                              const DistributedProximities& found) {
-    return list_of_features<Proximities, &ProximityList::squared_distance, &ProximityList::touching>(link, input, found,
-                                                                                                     io::near_words);
+RankList<Proximities> rank_list_of(RankLink& link, const RankInput& input, const ProximityQuery&,
+                                   const DistributedProximities& found) {
+    return rank_list_of_features<Proximities, &ProximityList::squared_distance, &ProximityList::touching>(
+        link, input, found, io::near_words);
 }
 
 std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, io::Blocks triangles) {

@@ -23,12 +23,12 @@ struct RankList {
 };
 
 // Collective. Return the rows of a result that this rank writes.
-RankList<Intersections> list_of(RankLink& link, const RankInput& input, const IntersectionQuery& query,
-                                const DistributedIntersections& found);
-RankList<Impacts> list_of(RankLink& link, const RankInput& input, const ImpactQuery& query,
-                          const DistributedImpacts& found);
-RankList<Proximities> list_of(RankLink& link, const RankInput& input, const ProximityQuery& query,
-                              const DistributedProximities& found);
+RankList<Intersections> rank_list_of(RankLink& link, const RankInput& input, const IntersectionQuery& query,
+                                     const DistributedIntersections& found);
+RankList<Impacts> rank_list_of(RankLink& link, const RankInput& input, const ImpactQuery& query,
+                               const DistributedImpacts& found);
+RankList<Proximities> rank_list_of(RankLink& link, const RankInput& input, const ProximityQuery& query,
+                                   const DistributedProximities& found);
 
 /// Collective. Returns the number of triangles, over all ranks, that are part of some pair.
 std::int64_t count_hits(RankLink& link, const DistributedIntersections& found, io::Blocks triangles);

@@ -170,7 +170,7 @@ int search(RankLink& link, const SearchCommand& command, const std::vector<std::
     if (command.only_status()) return report();
     steps.begin("write");
     using Result = typename Query::Result;
-    write<Result>(link, command.outputs, list_of(link, input, query, found), query.output == Output::first,
+    write<Result>(link, command.outputs, rank_list_of(link, input, query, found), query.output == Output::first,
                   [&](Result& all) {
                       all.any = found.any;
                       all.statistics = statistics.search;

@@ -98,9 +98,9 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
 }
 
 // Computes `first_triangle` and the hit flags of a result: those of the triangles in pairs or, if the result has only
-// pairs of bodies, those of all triangles of these bodies. Validates the indices, because results may come from
-// pickles.
-void index(const io::WorldMesh& world, Intersections& c) {
+// pairs of bodies, those of all triangles of these bodies; these pairs are then removed. Validates the indices, because
+// results may come from pickles.
+void fill_first_triangles_and_hits(const io::WorldMesh& world, Intersections& c) {
     c.first_triangle.push_back(0);
     for (const io::NamedBody& body : world.bodies) {
         if (body.shape < 0 || static_cast<std::size_t>(body.shape) >= world.shapes.size()) refuse_changed();
@@ -146,7 +146,7 @@ void write_coloured(nb::handle path, nb::handle world, nb::handle poses, const s
     fill(collisions.bodies, bodies);
     fill(collisions.pairs, pairs);
     if (!collisions.pairs.empty() && collisions.bodies.size() != collisions.pairs.size()) refuse_changed();
-    index(mesh, collisions);
+    fill_first_triangles_and_hits(mesh, collisions);
     fill(collisions.contacts.kinds, kinds);
     fill(collisions.contacts.offsets, offsets);
     fill(collisions.contacts.points, points);

@@ -12,7 +12,7 @@
 #include "distributed/assembled_part.h"
 #include "distributed/by_part.h"
 #include "distributed/members.h"
-#include "distributed/part_placement.h"
+#include "distributed/part_layout.h"
 #include "distributed/rank_mesh.h"
 #include "distributed/transport/collective_check.h"
 #include "distributed/transport/message_batches.h"

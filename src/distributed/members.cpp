@@ -41,10 +41,10 @@ void RankMembers::forget() {
     entries_at_first_ = 0;
 }
 
-void RankMembers::update(const RankMesh& share, const PartLayout& placement, ParallelFor& workers) {
-    const auto parts = static_cast<std::size_t>(placement.parts());
+void RankMembers::update(const RankMesh& share, const PartLayout& layout, ParallelFor& workers) {
+    const auto parts = static_cast<std::size_t>(layout.parts());
     const auto triangles = static_cast<std::size_t>(share.scene().triangle_count());
-    depth_ = static_cast<std::size_t>(placement.tree().depth);
+    depth_ = static_cast<std::size_t>(layout.tree().depth);
     entries_.resize(triangles);
     slack_.resize(triangles, -1.0f);
     is_listed_.resize(parts, 0);
@@ -53,12 +53,12 @@ void RankMembers::update(const RankMesh& share, const PartLayout& placement, Par
     delta_.resize(parts);
     list_.resize(parts);
     send_whole_.resize(parts, 0);
-    measure_steps(share, placement, workers);
+    measure_steps(share, layout, workers);
 
     const std::size_t slices = std::clamp<std::size_t>(triangles / 4096, 1, 256);
     std::vector<Found> found(slices);
     workers.parallel_for(slices, [&](std::size_t s) {
-        found[s] = find_entries(share, placement, static_cast<std::int64_t>(s * triangles / slices),
+        found[s] = find_entries(share, layout, static_cast<std::int64_t>(s * triangles / slices),
                                 static_cast<std::int64_t>((s + 1) * triangles / slices));
     });
     for (Found& slice : found) {
@@ -76,11 +76,11 @@ void RankMembers::update(const RankMesh& share, const PartLayout& placement, Par
 }
 
 // Measures how far vertices have moved, in normalised coordinates like slack.
-void RankMembers::measure_steps(const RankMesh& share, const PartLayout& placement, ParallelFor& workers) {
+void RankMembers::measure_steps(const RankMesh& share, const PartLayout& layout, ParallelFor& workers) {
     const PreparedScene& scene = share.scene();
     step_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
-    measure_steps(scene.reader[0], placement.normaliser(), before_, workers);
-    if (scene.moving) measure_steps(scene.end, placement.normaliser(), before_at_end_, workers);
+    measure_steps(scene.reader[0], layout.normaliser(), before_, workers);
+    if (scene.moving) measure_steps(scene.end, layout.normaliser(), before_at_end_, workers);
 }
 
 // Measures the distances of vertices from their positions in `before`, if it has as many vertices; else they are 0.
@@ -113,16 +113,16 @@ bool RankMembers::may_have_reached_a_part(const PreparedScene& scene, std::int64
     return !(slack > 0);
 }
 
-RankMembers::Found RankMembers::find_entries(const RankMesh& share, const PartLayout& placement, std::int64_t begin,
+RankMembers::Found RankMembers::find_entries(const RankMesh& share, const PartLayout& layout, std::int64_t begin,
                                              std::int64_t end) {
     Found found;
-    const PartTree tree = placement.tree();
+    const PartTree tree = layout.tree();
     for (std::int64_t t = begin; t < end; ++t) {
         if (!may_have_reached_a_part(share.scene(), t)) continue;
         double slack = std::numeric_limits<float>::max();
         std::int32_t count = 0;
         tree.for_each_part(
-            placement.ball(share.scene(), t),
+            layout.ball(share.scene(), t),
             [&](std::int32_t part, const std::uint64_t* masks) {
                 ++count;
                 found.part.push_back(part);
@@ -130,7 +130,7 @@ RankMembers::Found RankMembers::find_entries(const RankMesh& share, const PartLa
             },
             &slack);
         slack_[static_cast<std::size_t>(t)] =
-            rounded_down * static_cast<float>(std::min(placement.slack_of_path() * slack, 1e30));
+            rounded_down * static_cast<float>(std::min(layout.slack_of_path() * slack, 1e30));
         found.triangle.push_back(static_cast<std::int32_t>(t));
         found.count.push_back(count);
     }

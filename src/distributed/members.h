@@ -30,7 +30,7 @@
 #include "base/parallel_for.h"
 #include "distributed/directory.h"
 #include "distributed/feature_owners.h"
-#include "distributed/part_placement.h"
+#include "distributed/part_layout.h"
 #include "distributed/rank_mesh.h"
 
 namespace crumple::distribute {
@@ -60,7 +60,7 @@ struct PartDelta {
 class RankMembers {
    public:
     /// Finds what has changed since the previous call; after forget(), everything counts as changed.
-    void update(const RankMesh& share, const PartLayout& placement, ParallelFor& workers);
+    void update(const RankMesh& share, const PartLayout& layout, ParallelFor& workers);
     /// Sets the features to be sent with the triangles that own them, for queries about features; null for other
     /// queries.
     void set_features(const FeatureOwners* features) { features_ = features; }
@@ -108,11 +108,11 @@ class RankMembers {
         std::size_t at_first = 0;
     };
 
-    void measure_steps(const RankMesh& share, const PartLayout& placement, ParallelFor& workers);
+    void measure_steps(const RankMesh& share, const PartLayout& layout, ParallelFor& workers);
     void measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
                        ParallelFor& workers);
     bool may_have_reached_a_part(const PreparedScene& scene, std::int64_t t);
-    Found find_entries(const RankMesh& share, const PartLayout& placement, std::int64_t begin, std::int64_t end);
+    Found find_entries(const RankMesh& share, const PartLayout& layout, std::int64_t begin, std::int64_t end);
     void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
     void send_some_whole();
     /// Index of each vertex in the list of the current part; valid if the vertex's stamp is that part.

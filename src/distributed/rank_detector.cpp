@@ -205,7 +205,7 @@ void RankDetector::check_ids() {
 
 void RankDetector::place() {
     const int parts = requested_parts();
-    const bool serves = placement_.serves(parts, box_);
+    const bool serves = layout_.serves(parts, box_);
     if (same_ && serves && asked_.features == demand_ && !on_any_rank(members_.stale())) return;
     same_ = false;
     drop_parts();
@@ -213,19 +213,19 @@ void RankDetector::place() {
     if (serves) return;
     owners_.forget();
     expected_work_.clear();
-    placement_.make(rounds_, check_, share_, parts, box_, engine_->workers());
+    layout_.make(rounds_, check_, share_, parts, box_, engine_->workers());
 }
 
 void RankDetector::list_members() {
     check_(Phase::members, [&] {
         if (demand_) {
             const FeaturePartDemand query{demand_->moving, demand_->distance, demand_->share};
-            placement_.widen(&query);
+            layout_.widen(&query);
         } else {
-            placement_.widen(nullptr);
+            layout_.widen(nullptr);
         }
         members_.set_features(demand_ ? &features_ : nullptr);
-        members_.update(share_, placement_, engine_->workers());
+        members_.update(share_, layout_, engine_->workers());
     });
     give_out();
     check_(Phase::members, [&] { own_parts(); });
@@ -271,7 +271,7 @@ void RankDetector::give_out_anew() {
     others.give_out(expected_work_, transport_.size(),
                     [&](std::size_t part) { return owners_.all().subspan(part, 1); });
     if (others.balance(expected_work_, transport_.size()) > 0.93 * balance) return;
-    for (std::int32_t k = 0; k < placement_.parts(); ++k)
+    for (std::int32_t k = 0; k < layout_.parts(); ++k)
         if (others.of(k) != owners_.of(k)) members_.send_again(k);
     owners_ = std::move(others);
     same_ = false;
@@ -287,7 +287,7 @@ void RankDetector::own_parts() {
             mine.push_back(std::move(*at));
             continue;
         }
-        mine.emplace_back(k, placement_.parts(), placement_.path(k), float32_, groups_);
+        mine.emplace_back(k, layout_.parts(), layout_.path(k), float32_, groups_);
         if (demand_) mine.back().set_feature_demand(demand_->moving);
         assemblies_.erase(k);
     }
@@ -295,7 +295,7 @@ void RankDetector::own_parts() {
 }
 
 void RankDetector::deliver() {
-    const auto depth = static_cast<std::size_t>(placement_.tree().depth);
+    const auto depth = static_cast<std::size_t>(layout_.tree().depth);
     const bool features = demand_.has_value();
     Delivery(rounds_, check_, owners_, members_, share_, copies_, mine_, depth)
         .run({.float32 = float32_, .features = features, .moving = features && demand_->moving},
@@ -313,7 +313,7 @@ void RankDetector::deliver() {
 }
 
 void RankDetector::search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bool()> done) {
-    work_.assign(static_cast<std::size_t>(placement_.parts()), 0);
+    work_.assign(static_cast<std::size_t>(layout_.parts()), 0);
     check_(Phase::search, [&] {
         DistributedProgress progress{Phase::search};
         progress.parts = static_cast<int>(
@@ -336,7 +336,7 @@ void RankDetector::search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bo
 
 void RankDetector::forget() {
     share_.forget();
-    placement_.forget();
+    layout_.forget();
     owners_.forget();
     drop_parts();
     expected_work_.clear();

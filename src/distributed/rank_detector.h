@@ -28,7 +28,7 @@
 #include "distributed/feature_assembly.h"
 #include "distributed/feature_owners.h"
 #include "distributed/members.h"
-#include "distributed/part_placement.h"
+#include "distributed/part_layout.h"
 #include "distributed/part_search.h"
 #include "distributed/rank_bodies.h"
 #include "distributed/rank_mesh.h"
@@ -136,7 +136,7 @@ class CRUMPLE_API RankDetector {
     RankMesh share_;
     Bodies bodies_;
     GhostVertices copies_;
-    PartLayout placement_;
+    PartLayout layout_;
     Owners owners_;
     RankMembers members_;
     std::vector<AssembledPart> mine_;

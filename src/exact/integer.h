@@ -4,9 +4,11 @@
 // two, so if one power is used for all coordinates of a decision, integer arithmetic suffices for it. Host only.
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <climits>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -50,13 +52,20 @@ inline int common_exponent(std::span<const Vec3d> points) {
 }
 
 /// Returns x in units of 2^exponent, of which x must be a multiple.
-inline Integer scaled(double x, int exponent) {
+inline Integer in_units(double x, int exponent) {
     const Binary binary(x);
     return binary.mantissa == 0 ? Integer(0) : Integer(binary.mantissa) << (binary.exponent - exponent);
 }
 
-inline Vec3<Integer> scaled(const Vec3d& p, int exponent) {
-    return {scaled(p.x, exponent), scaled(p.y, exponent), scaled(p.z, exponent)};
+inline Vec3<Integer> in_units(const Vec3d& p, int exponent) {
+    return {in_units(p.x, exponent), in_units(p.y, exponent), in_units(p.z, exponent)};
+}
+
+template <std::size_t N>
+std::array<Vec3<Integer>, N> in_units(const std::array<Vec3d, N>& points, int exponent) {
+    std::array<Vec3<Integer>, N> result;
+    for (std::size_t i = 0; i < N; ++i) result[i] = in_units(points[i], exponent);
+    return result;
 }
 
 }  // namespace crumple

@@ -8,11 +8,11 @@
 namespace crumple {
 
 /// Signs by float64 filters alone, for any finite coordinates. If a filter does not decide a sign, the function returns
-/// 0, and open() is true from then on.
+/// 0, and has_undecided() is true from then on.
 class FilteredSigns {
    public:
     static constexpr bool exact = false;
-    CRUMPLE_HD bool open() const { return open_; }
+    CRUMPLE_HD bool has_undecided() const { return has_undecided_; }
 
     CRUMPLE_HD int orient(const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
         return known(orient3d_filtered(p, q, r, s));
@@ -23,10 +23,10 @@ class FilteredSigns {
 
    private:
     CRUMPLE_HD int known(int sign) {
-        open_ |= sign == undecided;
+        has_undecided_ |= sign == undecided;
         return sign == undecided ? 0 : sign;
     }
-    bool open_ = false;
+    bool has_undecided_ = false;
 };
 
 /// Signs by filters, and by exact arithmetic if a filter does not decide. Coordinates must be in the range of

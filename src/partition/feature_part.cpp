@@ -195,17 +195,17 @@ void check_rows(const std::vector<std::array<std::int32_t, 3>>& rows, std::size_
 
 // Converts a length from the scene's units to normalised coordinates, rounded up. The limit `farthest` keeps the result
 // finite; longer lengths have no further effect.
-double FeatureBalls::length(double x) const {
+double FeatureBallOfTriangle::length(double x) const {
     return min(double{farthest}, x * normalise_.pre * normalise_.post) * 1.0000001 + 1e-30;
 }
 
-FeatureBalls::FeatureBalls(const FeaturePartDemand& query, const Normaliser& normalise)
+FeatureBallOfTriangle::FeatureBallOfTriangle(const FeaturePartDemand& query, const Normaliser& normalise)
     : normalise_(normalise), radii_(query.radii) {
     if (query.distance > 0) half_distance_ = length(query.distance) / 2;
     if (query.share > 0) path_share_ = query.share / (1 - query.share) * 1.0000001;
 }
 
-PartBall FeatureBalls::operator()(const PreparedScene& scene, std::int64_t t) const {
+PartBall FeatureBallOfTriangle::operator()(const PreparedScene& scene, std::int64_t t) const {
     const std::int32_t* c = scene.corners + 3 * t;
     const Vec3d end[3] = {scene.end_position(c[0]), scene.end_position(c[1]), scene.end_position(c[2])};
     double widened = half_distance_;
@@ -216,8 +216,8 @@ PartBall FeatureBalls::operator()(const PreparedScene& scene, std::int64_t t) co
 
 std::vector<Part> make_feature_parts(const PreparedScene& scene, const SceneFeatures& features,
                                      const FeaturePartDemand& query, int count, ParallelFor& parallel) {
-    const FeatureBalls balls(query, Normaliser(scene.low, scene.high));
-    const auto ball = [&](std::int64_t t) { return balls(scene, t); };
+    const FeatureBallOfTriangle feature_ball(query, Normaliser(scene.low, scene.high));
+    const auto ball = [&](std::int64_t t) { return feature_ball(scene, t); };
     return make_parts(scene, count, parallel, ball, FeatureCopier(scene, features, query));
 }
 

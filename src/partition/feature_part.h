@@ -30,11 +30,11 @@ struct FeaturePartDemand {
     std::span<const std::int32_t> groups = {};  ///< 1 per triangle except for proxy triangles, or empty
 };
 
-/// Balls that determine to which parts triangles belong: each contains a triangle's swept volume, and is widened for
-/// the distances of the query.
-class FeatureBalls {
+/// Function object that returns the ball which determines to which parts a triangle belongs: it contains the triangle's
+/// swept volume, and is widened for the distances of the query.
+class FeatureBallOfTriangle {
    public:
-    FeatureBalls(const FeaturePartDemand& query, const Normaliser& normalise);
+    FeatureBallOfTriangle(const FeaturePartDemand& query, const Normaliser& normalise);
     PartBall operator()(const PreparedScene& scene, std::int64_t triangle) const;
     /// Returns the factor, at most 1, by which the slack that PartTree::mask() computes has to be multiplied: it does
     /// not take into account that these balls also grow with the longest path of a corner.

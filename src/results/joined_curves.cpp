@@ -52,9 +52,9 @@ class FacesAroundEdge {
         points.push_back(low_);
         points.push_back(high_);
         const int exponent = common_exponent(points);
-        const Vec3<Integer> origin = scaled(low_, exponent), axis = scaled(high_, exponent) - origin;
+        const Vec3<Integer> origin = in_units(low_, exponent), axis = in_units(high_, exponent) - origin;
         for (std::size_t i = 0; i < ends.size(); ++i)
-            normals_.push_back(cross(axis, scaled(points[i], exponent) - origin));  // normal of the half-plane
+            normals_.push_back(cross(axis, in_units(points[i], exponent) - origin));  // normal of the half-plane
         axis_ = axis;
         const auto proper = std::find_if(normals_.begin(), normals_.end(), [](const auto& n) { return !is_zero(n); });
         if (proper != normals_.end()) first_ = *proper;

@@ -12,8 +12,8 @@ inline int orientation_of(const Placement& placement) {
     if (placement.identity()) return 1;
     const Affine pose = placement.matrix();
     const std::array<Vec3d, 3> columns{pose.column(0), pose.column(1), pose.column(2)};
-    const int exponent = common_exponent(columns);
-    return dot(scaled(columns[0], exponent), cross(scaled(columns[1], exponent), scaled(columns[2], exponent))).sign();
+    const auto [x, y, z] = in_units(columns, common_exponent(columns));
+    return dot(x, cross(y, z)).sign();
 }
 
 }  // namespace crumple

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "backends/overlap_kernels.h"
-#include "search/overlap_scene.h"
+#include "search/overlap_surface_pair.h"
 
 namespace crumple {
 
@@ -20,21 +20,21 @@ inline std::size_t padded(std::size_t count) {
 }
 }  // namespace detail
 
-inline void fill(const OverlapScene& scene, std::size_t side, std::span<const CountedFace> faces, FaceBlock& block) {
+inline void fill(const SurfacePair& surfaces, std::size_t side, std::span<const CountedFace> faces, FaceBlock& block) {
     block.count = static_cast<int>(faces.size());
     for (std::size_t i = 0; i < detail::padded(faces.size()); ++i) {
         const auto& [face, times] = faces[std::min(i, faces.size() - 1)];
-        const FaceCorners p = scene.corners(side, face);
+        const FaceCorners p = surfaces.corners(side, face);
         for (std::size_t k = 0; k < 3; ++k) detail::put(p[k], i, block.corner[k]);
         block.times[i] = i < faces.size() ? times : 0;
     }
 }
 
-inline void fill(const OverlapScene& scene, std::span<const Segment> segments, SegmentBlock& block) {
+inline void fill(const SurfacePair& surfaces, std::span<const Segment> segments, SegmentBlock& block) {
     block.count = static_cast<int>(segments.size());
     for (std::size_t i = 0; i < detail::padded(segments.size()); ++i) {
         const Segment& segment = segments[std::min(i, segments.size() - 1)];
-        const std::array<FaceCorners, 2> face{scene.corners_a(segment), scene.corners_b(segment)};
+        const std::array<FaceCorners, 2> face{surfaces.corners_a(segment), surfaces.corners_b(segment)};
         for (std::size_t e = 0; e < 2; ++e) {
             const SegmentEnd& end = e == 0 ? segment.start : segment.end;
             const FaceCorners &of = face[end.side], &crossed = face[1 - end.side];

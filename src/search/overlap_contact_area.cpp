@@ -61,21 +61,18 @@ void add_enclosed(const FaceCorners& a, const FaceCorners& b, FixedSum& sum) {
 
 void add_exactly(const FaceCorners& a, const FaceCorners& b, RootSum& sum) {
     const int exponent = common_exponent(std::array{a[0], a[1], a[2], b[0], b[1], b[2]});
-    const auto in_units = [&](const FaceCorners& p) {
-        return std::array{scaled(p[0], exponent), scaled(p[1], exponent), scaled(p[2], exponent)};
-    };
-    const std::array<Vec3<Integer>, 3> p = in_units(a);
+    const std::array<Vec3<Integer>, 3> p = in_units(a, exponent);
     const Vec3<Integer> normal = cross(p[1] - p[0], p[2] - p[0]);
     const int axis = normal.x != 0 ? 0 : normal.y != 0 ? 1 : 2;
     const auto wide = [](const Integer& x) { return Rational(mp::cpp_int(x)); };
     const Rational square = wide(dot(normal, normal)) / wide(normal[axis] * normal[axis]);
     ExactArea area{sum.times_root_of(square), exponent};
-    add_common_area(IntegerProjection{axis}, p, in_units(b), area);
+    add_common_area(IntegerProjection{axis}, p, in_units(b, exponent), area);
 }
 
 /// Adds up the common areas of pairs of faces, in parallel chunks. add(a, b, sum) adds the area of one pair.
 template <class Sum, class Add>
-Sum sum_of(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& workers, Cancellation& cancellation,
+Sum sum_of(const SurfacePair& surfaces, std::span<const Pair> pairs, ParallelFor& workers, Cancellation& cancellation,
            Add add) {
     constexpr std::size_t chunk = 256;
     Sum sum;
@@ -84,7 +81,7 @@ Sum sum_of(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& 
         Sum part;
         for (const Pair& pair : pairs.subspan(i * chunk, std::min(chunk, pairs.size() - i * chunk))) {
             cancellation.check();
-            add(scene.corners(0, pair.a), scene.corners(1, pair.b), part);
+            add(surfaces.corners(0, pair.a), surfaces.corners(1, pair.b), part);
         }
         const std::scoped_lock lock(mutex);
         sum.add(part);
@@ -94,14 +91,14 @@ Sum sum_of(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& 
 
 }  // namespace
 
-ContactArea find_contact_area(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& workers,
+ContactArea find_contact_area(const SurfacePair& surfaces, std::span<const Pair> pairs, ParallelFor& workers,
                               Cancellation& cancellation) {
     if (pairs.empty()) return {};
-    if (scene.in_range()) {
-        const auto sum = sum_of<FixedSum>(scene, pairs, workers, cancellation, add_enclosed);
+    if (surfaces.in_range()) {
+        const auto sum = sum_of<FixedSum>(surfaces, pairs, workers, cancellation, add_enclosed);
         if (const auto known = sum.rounded_quotient(2)) return {known->value};
     }
-    const auto sum = sum_of<RootSum>(scene, pairs, workers, cancellation, add_exactly);
+    const auto sum = sum_of<RootSum>(surfaces, pairs, workers, cancellation, add_exactly);
     return {sum.rounded_quotient(2, cancellation).value, true};
 }
 

@@ -7,7 +7,7 @@
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
 #include "crumple/intersections.h"
-#include "search/overlap_scene.h"
+#include "search/overlap_surface_pair.h"
 
 namespace crumple {
 
@@ -18,7 +18,7 @@ struct ContactArea {
 
 /// Returns the contact area. `pairs`: coplanar faces of the first and the second surface, none of them degenerate.
 /// Cost: about a microsecond per pair, far more if double-double arithmetic cannot round the sum.
-ContactArea find_contact_area(const OverlapScene& scene, std::span<const Pair> pairs, ParallelFor& workers,
+ContactArea find_contact_area(const SurfacePair& surfaces, std::span<const Pair> pairs, ParallelFor& workers,
                               Cancellation& cancellation);
 
 }  // namespace crumple

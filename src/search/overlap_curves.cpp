@@ -70,21 +70,21 @@ std::vector<OverlapCurve> OverlapOfBodies::curves(const Vec3d& point) {
     for (std::size_t i = 0; i < joined.size(); ++i) {
         OverlapCurve& curve = curves[i];
         curve.closed = joined[i].closed;
-        OverlapSums sums = sums_of_scene();
+        OverlapSums sums = sums_of_surfaces();
         sums.numbers = true;
         for (const std::int32_t s : joined[i].segments) {
             cancellation_.check();
             Segment segment = segments[static_cast<std::size_t>(s)];
-            curve.points.push_back(round(CrossingEdge(sums_.scene, segment, segment.start)));
+            curve.points.push_back(round(CrossingEdge(sums_.surfaces, segment, segment.start)));
             curve.triangles.push_back({segment.a, segment.b});
             segment.times = 2;
             segment.in_volume = false;
             sums.segments.push_back(segment);
         }
-        curve.points.push_back(round(CrossingEdge(sums_.scene, sums.segments.back(), sums.segments.back().end)));
+        curve.points.push_back(round(CrossingEdge(sums_.surfaces, sums.segments.back(), sums.segments.back().end)));
         curve.area_vector = curve.torque = {nan, nan, nan};
         if (!curve.closed) continue;
-        const CurveNumbers numbers = finish_curves(sums, sums_.scene.origin, point);
+        const CurveNumbers numbers = finish_curves(sums, sums_.surfaces.origin, point);
         curve.area_vector = CurveNumbers::values(numbers.area);
         curve.torque = CurveNumbers::values(numbers.torque);
         was_exact_ |= sums.was_exact();

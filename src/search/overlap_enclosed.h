@@ -8,7 +8,7 @@
 #include "exact/overlap/enclosed.h"
 #include "exact/overlap/exact_crossing.h"
 #include "exact/overlap/pair_terms.h"
-#include "search/overlap_scene.h"
+#include "search/overlap_surface_pair.h"
 
 namespace crumple {
 
@@ -40,16 +40,16 @@ inline Enclosed enclosed_share(const CrossingEdge& edge) {
 /// Adds terms in double-double arithmetic, for bodies whose coordinates are in its range.
 class EnclosedTerms {
    public:
-    explicit EnclosedTerms(const OverlapScene& scene) : scene_(scene) {}
+    explicit EnclosedTerms(const SurfacePair& surfaces) : surfaces_(surfaces) {}
 
     void add_face(const FaceCorners& p, std::int32_t times, VolumeTerms<Enclosed>& terms) const {
         const Vec3<Enclosed> x = at(p[0]), y = at(p[1]), z = at(p[2]);
         terms.add(Enclosed(times) * dot(x, cross(y - x, z - x)), x + y + z);
     }
     void add(const Segment& segment, VolumeTerms<Enclosed>& terms) const {
-        const std::array<Vec3<Enclosed>, 2> end{at(CrossingEdge(scene_, segment, segment.start)),
-                                                at(CrossingEdge(scene_, segment, segment.end))};
-        const std::array<FaceCorners, 2> face{scene_.corners_a(segment), scene_.corners_b(segment)};
+        const std::array<Vec3<Enclosed>, 2> end{at(CrossingEdge(surfaces_, segment, segment.start)),
+                                                at(CrossingEdge(surfaces_, segment, segment.end))};
+        const std::array<FaceCorners, 2> face{surfaces_.corners_a(segment), surfaces_.corners_b(segment)};
         const std::array<Vec3<Enclosed>, 2> first{at(face[0][0]), at(face[1][0])};
         const auto add_cone = [&](const auto& x, const auto& y, const auto& z, int times) {
             terms.add(Enclosed(times) * dot(x, cross(y, z)), x + y + z);
@@ -62,17 +62,18 @@ class EnclosedTerms {
         }
     }
     void add(const Segment& segment, CurveTerms<Enclosed>& terms) const {
-        terms.add(at(CrossingEdge(scene_, segment, segment.start)), at(CrossingEdge(scene_, segment, segment.end)));
+        terms.add(at(CrossingEdge(surfaces_, segment, segment.start)),
+                  at(CrossingEdge(surfaces_, segment, segment.end)));
     }
 
    private:
-    Vec3<Enclosed> at(const Vec3d& p) const { return enclosed_difference(p, scene_.origin); }
+    Vec3<Enclosed> at(const Vec3d& p) const { return enclosed_difference(p, surfaces_.origin); }
     Vec3<Enclosed> at(const CrossingEdge& edge) const {
         if (edge.is_vertex()) return at(edge.from);
         return at(edge.from) + enclosed_share(edge) * enclosed_difference(edge.to, edge.from);
     }
 
-    const OverlapScene& scene_;
+    const SurfacePair& surfaces_;
 };
 
 }  // namespace crumple

@@ -13,7 +13,7 @@ struct IntegerUnit {
     Vec3d origin;
     int exponent;
 
-    ExactPoint at(const Vec3d& p) const { return {scaled(p, exponent) - scaled(origin, exponent)}; }
+    ExactPoint at(const Vec3d& p) const { return {in_units(p, exponent) - in_units(origin, exponent)}; }
     ExactPoint at(const CrossingEdge& edge) const {
         ExactPoint from = at(edge.from);
         if (edge.is_vertex()) return from;
@@ -39,26 +39,26 @@ struct IntegerUnit {
     }
 };
 
-IntegerUnit unit_of(const OverlapScene& scene, const FaceCorners& p) {
-    return {scene.origin, common_exponent(std::array{scene.origin, p[0], p[1], p[2]})};
+IntegerUnit unit_of(const SurfacePair& surfaces, const FaceCorners& p) {
+    return {surfaces.origin, common_exponent(std::array{surfaces.origin, p[0], p[1], p[2]})};
 }
-IntegerUnit unit_of(const OverlapScene& scene, const FaceCorners& p, const FaceCorners& q) {
-    return {scene.origin, common_exponent(std::array{scene.origin, p[0], p[1], p[2], q[0], q[1], q[2]})};
+IntegerUnit unit_of(const SurfacePair& surfaces, const FaceCorners& p, const FaceCorners& q) {
+    return {surfaces.origin, common_exponent(std::array{surfaces.origin, p[0], p[1], p[2], q[0], q[1], q[2]})};
 }
 
 }  // namespace
 
 void ExactTerms::add_face(const FaceCorners& p, std::int32_t times, VolumeTotals<RationalSum>& totals) const {
-    const IntegerUnit unit = unit_of(scene_, p);
+    const IntegerUnit unit = unit_of(surfaces_, p);
     unit.add_cone(unit.at(p[0]), unit.at(p[1]), unit.at(p[2]), times, totals);
 }
 
 void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) const {
     if (!segment.in_volume) return;
-    const std::array<FaceCorners, 2> face{scene_.corners_a(segment), scene_.corners_b(segment)};
-    const IntegerUnit unit = unit_of(scene_, face[0], face[1]);
-    const ExactPoint start = unit.at(CrossingEdge(scene_, segment, segment.start)),
-                     end = unit.at(CrossingEdge(scene_, segment, segment.end));
+    const std::array<FaceCorners, 2> face{surfaces_.corners_a(segment), surfaces_.corners_b(segment)};
+    const IntegerUnit unit = unit_of(surfaces_, face[0], face[1]);
+    const ExactPoint start = unit.at(CrossingEdge(surfaces_, segment, segment.start)),
+                     end = unit.at(CrossingEdge(surfaces_, segment, segment.end));
     unit.add_cone(unit.at(face[0][0]), start, end, 1, totals);
     unit.add_cone(unit.at(face[1][0]), end, start, 1, totals);
     const auto add_edge = [&](const SegmentEnd& of, const ExactPoint& point) {
@@ -71,9 +71,9 @@ void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) 
 
 void ExactTerms::add(const Segment& segment, CurveTotals<RationalSum>& totals) const {
     if (segment.times == 0) return;
-    const IntegerUnit unit = unit_of(scene_, scene_.corners_a(segment), scene_.corners_b(segment));
-    const auto [s, v] = unit.at(CrossingEdge(scene_, segment, segment.start));
-    const auto [e, w] = unit.at(CrossingEdge(scene_, segment, segment.end));
+    const IntegerUnit unit = unit_of(surfaces_, surfaces_.corners_a(segment), surfaces_.corners_b(segment));
+    const auto [s, v] = unit.at(CrossingEdge(surfaces_, segment, segment.start));
+    const auto [e, w] = unit.at(CrossingEdge(surfaces_, segment, segment.end));
     const Integer both = v * w, times = segment.times;
     unit.add(times * cross(s, e), both, 2, totals.area);
     // Term of the torque for a segment from s/v to e/w: (e/w − s/v) ((s/v)² + (s/v) (e/w) + (e/w)²)

@@ -9,20 +9,20 @@
 
 #include "exact/overlap/overlap_totals.h"
 #include "exact/overlap/rational_sum.h"
-#include "search/overlap_scene.h"
+#include "search/overlap_surface_pair.h"
 
 namespace crumple {
 
 class ExactTerms {
    public:
-    explicit ExactTerms(const OverlapScene& scene) : scene_(scene) {}
+    explicit ExactTerms(const SurfacePair& surfaces) : surfaces_(surfaces) {}
 
     void add_face(const FaceCorners& p, std::int32_t times, VolumeTotals<RationalSum>& totals) const;
     void add(const Segment& segment, VolumeTotals<RationalSum>& totals) const;
     void add(const Segment& segment, CurveTotals<RationalSum>& totals) const;
 
    private:
-    const OverlapScene& scene_;
+    const SurfacePair& surfaces_;
 };
 
 }  // namespace crumple

@@ -39,14 +39,14 @@ void add_link(const Pair& pair, const FaceCrossing& jumps, std::vector<Segment>&
 
 OverlapRow OverlapOfBodies::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
                                  const Vec3d& origin, const Request& request) {
-    sums_.scene = {{&a, &b}, origin};
+    sums_.surfaces = {{&a, &b}, origin};
     pairs_ = pairs;
     return find(request);
 }
 
 OverlapRow OverlapOfBodies::find_self(const PlacedSurface& body, std::span<const Pair> pairs, const Vec3d& origin,
                                       const Request& request) {
-    sums_.scene = {{&body, &body}, origin};
+    sums_.surfaces = {{&body, &body}, origin};
     pairs_ = pairs;
     self_ = request.orientation;
     OverlapRow row = find(request);
@@ -56,7 +56,7 @@ OverlapRow OverlapOfBodies::find_self(const PlacedSurface& body, std::span<const
 
 OverlapRow OverlapOfBodies::find_open(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
                                       const Vec3d& origin, const Request& request) {
-    sums_.scene = {{&a, &b}, origin};
+    sums_.surfaces = {{&a, &b}, origin};
     pairs_ = pairs;
     OverlapRow row;
     row.exists = !pairs.empty();
@@ -78,7 +78,7 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
     if (!row.exists) return row;
     count_faces();
     if (request.numbers)
-        row.numbers = finish(sums_, sums_.scene.origin, self_ != 0);
+        row.numbers = finish(sums_, sums_.surfaces.origin, self_ != 0);
     else
         row.numbers.volume = sums_.volume([](const auto& totals) { return totals.volume; }, self_ ? 12 : 6);
     if (request.numbers) row.numbers.contact_area = contact_area();
@@ -169,7 +169,7 @@ void OverlapOfBodies::find_windings(bool gradient) {
 }
 
 double OverlapOfBodies::contact_area() {
-    const ContactArea contact = find_contact_area(sums_.scene, coplanar_, workers_, cancellation_);
+    const ContactArea contact = find_contact_area(sums_.surfaces, coplanar_, workers_, cancellation_);
     was_exact_ |= contact.was_exact;
     return contact.area;
 }
@@ -193,9 +193,9 @@ void OverlapOfBodies::count_faces() {
     for (const auto& faces : sums_.faces) memory_.add(bytes_of(faces));
 }
 
-OverlapSums OverlapOfBodies::sums_of_scene() const {
+OverlapSums OverlapOfBodies::sums_of_surfaces() const {
     OverlapSums sums(workers_, kernels_, cancellation_);
-    sums.scene = sums_.scene;
+    sums.surfaces = sums_.surfaces;
     sums.numbers = false;
     return sums;
 }
@@ -214,7 +214,7 @@ bool OverlapOfBodies::has_volume_of(std::size_t side, const Scaled& volume) {
     if (is_inside(side)) return true;
     int least_sign = -1, greatest_sign = 1;  // possible signs of the body's volume
     if (in_range()) {
-        const VolumeBounds own = bounds_of_volume(body(side), sums_.scene.origin);
+        const VolumeBounds own = bounds_of_volume(body(side), sums_.surfaces.origin);
         const double size = 6 * std::abs(volume.value());
         const double least = std::max(std::max(own.low, -own.high), 0.0), most = std::max(own.high, -own.low);
         if (size * (1 + 0x1p-50) < least || size * (1 - 0x1p-50) > most) return false;
@@ -225,7 +225,7 @@ bool OverlapOfBodies::has_volume_of(std::size_t side, const Scaled& volume) {
     // most faces cancel.
     std::vector<std::int32_t> times(static_cast<std::size_t>(topology(side).face_count()));
     for (int sign = least_sign; sign <= greatest_sign; sign += 2) {
-        OverlapSums difference = sums_of_scene();
+        OverlapSums difference = sums_of_surfaces();
         difference.segments = sums_.segments;
         difference.faces[1 - side] = sums_.faces[1 - side];
         std::fill(times.begin(), times.end(), (volume.mantissa > 0) == (sign > 0) ? -1 : 1);
@@ -251,7 +251,7 @@ OverlapRelation OverlapOfBodies::relate(const OverlapNumbers& numbers) {
 
 // Returns the volume of a body, for its overlap with itself: the integral of its winding number, correctly rounded.
 double OverlapOfBodies::volume_of_body() {
-    OverlapSums sums = sums_of_scene();
+    OverlapSums sums = sums_of_surfaces();
     for (std::int32_t face = 0; face < topology(0).face_count(); ++face) sums.faces[0].push_back({face, 1});
     const RoundedSum volume = sums.volume([](const auto& totals) { return totals.volume; }, 6);
     was_exact_ |= sums.was_exact();

@@ -72,8 +72,8 @@ class OverlapOfBodies {
     void cross_pairs(bool gradient);
     /// Makes the intervals in which winding numbers are constant.
     void find_windings(bool gradient);
-    bool in_range() const { return sums_.scene.in_range(); }
-    const PlacedSurface& body(std::size_t side) const { return *sums_.scene.surface[side]; }
+    bool in_range() const { return sums_.surfaces.in_range(); }
+    const PlacedSurface& body(std::size_t side) const { return *sums_.surfaces.surface[side]; }
     const ClosedSurface& topology(std::size_t side) const { return *body(side).surface; }
     const WindingSteps& steps(std::size_t side) const { return steps_[0][side]; }
     void count_faces();
@@ -83,7 +83,7 @@ class OverlapOfBodies {
     bool has_volume_of(std::size_t side, const Scaled& volume);
     double volume_of_body();
     /// Returns empty sums over the same bodies, for a volume only.
-    OverlapSums sums_of_scene() const;
+    OverlapSums sums_of_surfaces() const;
     std::vector<VertexWinding> windings(std::size_t side) const;
 
     /// Returns the curves (overlap_curves.cpp). Torques are about `point`.

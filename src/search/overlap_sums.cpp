@@ -83,20 +83,20 @@ void OverlapSums::add_in_lanes() {
             FaceBlock block;
             BlockSums sums;
             for (std::size_t i = begin; i < end; i += FaceBlock::size) {
-                fill(scene, side, std::span(faces[side]).subspan(i, std::min<std::size_t>(FaceBlock::size, end - i)),
+                fill(surfaces, side, std::span(faces[side]).subspan(i, std::min<std::size_t>(FaceBlock::size, end - i)),
                      block);
-                kernels_->add_faces(block, scene.origin, numbers, sums);
+                kernels_->add_faces(block, surfaces.origin, numbers, sums);
                 add_volume(sums, to.volume);
             }
         });
-    const EnclosedTerms enclosed(scene);
+    const EnclosedTerms enclosed(surfaces);
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, LaneTotals& to) {
         SegmentBlock block;
         BlockSums sums;
         for (std::size_t i = begin; i < end; i += SegmentBlock::size) {
             const auto some = std::span(segments).subspan(i, std::min<std::size_t>(SegmentBlock::size, end - i));
-            fill(scene, some, block);
-            std::uint64_t uncertain = kernels_->add_segments(block, scene.origin, numbers, sums);
+            fill(surfaces, some, block);
+            std::uint64_t uncertain = kernels_->add_segments(block, surfaces.origin, numbers, sums);
             add_volume(sums, to.volume);
             if (numbers) {
                 add(sums.area, sums.lanes, to.curves.area);
@@ -114,12 +114,12 @@ void OverlapSums::add_in_lanes() {
 }
 
 void OverlapSums::add_enclosed(VolumeTotals<FixedSum>& totals) {
-    const EnclosedTerms enclosed(scene);
+    const EnclosedTerms enclosed(surfaces);
     for (std::size_t side = 0; side < 2; ++side)
         for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<FixedSum>& to) {
             for (std::size_t i = begin; i < end; ++i) {
                 VolumeTerms<Enclosed> terms;
-                enclosed.add_face(scene.corners(side, faces[side][i].face), faces[side][i].times, terms);
+                enclosed.add_face(surfaces.corners(side, faces[side][i].face), faces[side][i].times, terms);
                 to.volume.add(terms.volume);
                 add(terms.moment, to.moment);
             }
@@ -130,19 +130,19 @@ void OverlapSums::add_enclosed(VolumeTotals<FixedSum>& totals) {
 }
 
 void OverlapSums::add_enclosed(CurveTotals<FixedSum>& totals) {
-    const EnclosedTerms enclosed(scene);
+    const EnclosedTerms enclosed(surfaces);
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, CurveTotals<FixedSum>& to) {
         for (std::size_t i = begin; i < end; ++i) add(enclosed, segments[i], to);
     });
 }
 
 void OverlapSums::add_exact(VolumeTotals<RationalSum>& totals) {
-    const ExactTerms exact(scene);
+    const ExactTerms exact(surfaces);
     for (std::size_t side = 0; side < 2; ++side)
         for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<RationalSum>& to) {
             for (std::size_t i = begin; i < end; ++i) {
                 cancellation_.check();
-                exact.add_face(scene.corners(side, faces[side][i].face), faces[side][i].times, to);
+                exact.add_face(surfaces.corners(side, faces[side][i].face), faces[side][i].times, to);
             }
         });
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<RationalSum>& to) {
@@ -154,7 +154,7 @@ void OverlapSums::add_exact(VolumeTotals<RationalSum>& totals) {
 }
 
 void OverlapSums::add_exact(CurveTotals<RationalSum>& totals) {
-    const ExactTerms exact(scene);
+    const ExactTerms exact(surfaces);
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, CurveTotals<RationalSum>& to) {
         for (std::size_t i = begin; i < end; ++i) {
             cancellation_.check();

@@ -20,7 +20,7 @@
 #include "exact/overlap/fixed_sum.h"
 #include "exact/overlap/overlap_totals.h"
 #include "exact/overlap/rational_sum.h"
-#include "search/overlap_scene.h"
+#include "search/overlap_surface_pair.h"
 
 namespace crumple {
 
@@ -30,7 +30,7 @@ class OverlapSums {
         : workers_(workers), kernels_(kernels), cancellation_(cancellation) {}
 
     // Input of the sums, which must not change once a sum has been requested:
-    OverlapScene scene;
+    SurfacePair surfaces;
     std::vector<Segment> segments;
     std::array<std::vector<CountedFace>, 2> faces;  ///< counted faces of the first and of the second body
     bool numbers = true;                            ///< false: only the volume is requested, no centroid and no curves
@@ -56,7 +56,7 @@ class OverlapSums {
 
     template <template <class> class Totals, class Combine>
     RoundedSum rounded(Tiers<Totals>& tiers, Combine combine, int divisor) {
-        if (scene.in_range()) {
+        if (surfaces.in_range()) {
             if (kernels_) {
                 if (!tiers.in_lanes) add_in_lanes();
                 if (const auto known = combine(*tiers.in_lanes).rounded_quotient(divisor)) return *known;

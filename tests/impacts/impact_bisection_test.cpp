@@ -22,8 +22,8 @@ class Bisection {
    public:
     explicit Bisection(const Move& move) : first_(move.feature == Feature::edge_edge ? 2 : 1) {
         for (std::size_t i = 0; i < points_of(move.feature); ++i) {
-            start_.push_back(scaled(move.point[i].start, 0));
-            step_.push_back(scaled(move.point[i].end, 0) - start_.back());
+            start_.push_back(in_units(move.point[i].start, 0));
+            step_.push_back(in_units(move.point[i].end, 0) - start_.back());
         }
     }
 

@@ -27,8 +27,8 @@ struct Fraction {
 
 /// Returns the square of x, which must be a multiple of 2^-200.
 Fraction squared(double x) {
-    const Integer scaled_up = scaled(x, -200);
-    return {scaled_up * scaled_up, Integer(1) << 400};
+    const Integer integer = in_units(x, -200);
+    return {integer * integer, Integer(1) << 400};
 }
 
 /// Two features at one time, in integers: the first `first` points belong to the first feature.
@@ -85,8 +85,8 @@ class Bisection {
    public:
     explicit Bisection(const MinDistanceMove& query) : first_(query.move.feature == Feature::edge_edge ? 2 : 1) {
         for (std::size_t i = 0; i < points_of(query.move.feature); ++i) {
-            start_.push_back(scaled(query.move.point[i].start, 0));
-            step_.push_back(scaled(query.move.point[i].end, 0) - start_.back());
+            start_.push_back(in_units(query.move.point[i].start, 0));
+            step_.push_back(in_units(query.move.point[i].end, 0) - start_.back());
         }
         const Fraction share = squared(query.separation.share), begin = at(0, 1).distance();
         limit_ = std::max(squared(query.separation.distance), {share.over * begin.over, share.under * begin.under});

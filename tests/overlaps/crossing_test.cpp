@@ -21,10 +21,7 @@ bool in_range(const Triangle& t) {
 RationalCrossing truth(const TrianglePair& pair, Shift shift) {
     const int unit = common_exponent(std::array{pair.a.point[0], pair.a.point[1], pair.a.point[2], pair.b.point[0],
                                                 pair.b.point[1], pair.b.point[2]});
-    const auto integers = [&](const Triangle& t) {
-        return IntegerTriangle{scaled(t.point[0], unit), scaled(t.point[1], unit), scaled(t.point[2], unit)};
-    };
-    return cross_rationally(integers(pair.a), integers(pair.b), shift);
+    return cross_rationally(in_units(pair.a.point, unit), in_units(pair.b.point, unit), shift);
 }
 
 bool encloses(const Enclosed& x, const Rational& exact) {

@@ -97,8 +97,8 @@ TEST_P(SimdSumsOfEachKind, sums_are_within_their_error_bounds) {
         if (of_a.empty()) continue;
         const LooseTriangles a(of_a), b(of_b);
         const bool precise = GetParam() == Kind::random;
-        const OverlapScene scene{{&a.placed, &b.placed}, round % 3 ? of_b[0].point[1] : Vec3d{}};
-        const ExactTerms terms(scene);
+        const SurfacePair surfaces{{&a.placed, &b.placed}, round % 3 ? of_b[0].point[1] : Vec3d{}};
+        const ExactTerms terms(surfaces);
 
         std::vector<CountedFace> faces;
         std::vector<Segment> segments;
@@ -121,15 +121,15 @@ TEST_P(SimdSumsOfEachKind, sums_are_within_their_error_bounds) {
         for (const OverlapKernels* lanes : kernels) {
             FaceBlock face_block;
             BlockSums sums;
-            fill(scene, 0, faces, face_block);
-            lanes->add_faces(face_block, scene.origin, true, sums);
+            fill(surfaces, 0, faces, face_block);
+            lanes->add_faces(face_block, surfaces.origin, true, sums);
             expect_enclosed(sums.volume, sums.lanes, of_faces.volume, precise ? 0x1p-78 : largest);
             expect_enclosed(sums.moment, sums.lanes, of_faces.moment, precise ? 0x1p-78 : largest);
 
             if (segments.empty()) continue;
             SegmentBlock block;
-            fill(scene, segments, block);
-            const std::uint64_t uncertain = lanes->add_segments(block, scene.origin, true, sums);
+            fill(surfaces, segments, block);
+            const std::uint64_t uncertain = lanes->add_segments(block, surfaces.origin, true, sums);
             VolumeTotals<RationalSum> volume;
             CurveTotals<RationalSum> curves;
             for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -142,7 +142,7 @@ TEST_P(SimdSumsOfEachKind, sums_are_within_their_error_bounds) {
             expect_enclosed(sums.area, sums.lanes, curves.area, precise ? 0x1p-60 : largest);
             expect_enclosed(sums.torque, sums.lanes, curves.torque, precise ? 0x1p-60 : largest);
             BlockSums less;
-            EXPECT_EQ(lanes->add_segments(block, scene.origin, false, less), uncertain);
+            EXPECT_EQ(lanes->add_segments(block, surfaces.origin, false, less), uncertain);
             EXPECT_EQ(sum_of(less.volume, less.lanes), sum_of(sums.volume, sums.lanes));
         }
     }

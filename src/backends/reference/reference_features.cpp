@@ -226,7 +226,7 @@ class Search {
         if ((low - high) * (1 - 0x1p-50) > 2 * query_.distance) return true;
         const Vec3d numbers{low, high, query_.distance};
         const int exponent = common_exponent({&numbers, 1});
-        return scaled(low, exponent) - scaled(high, exponent) > 2 * scaled(query_.distance, exponent);
+        return in_units(low, exponent) - in_units(high, exponent) > 2 * in_units(query_.distance, exponent);
     }
 
     // Delivers the rows to the stream if there are enough for a block.

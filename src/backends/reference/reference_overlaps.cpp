@@ -23,10 +23,6 @@
 namespace crumple {
 namespace {
 
-IntegerTriangle in_units(const std::array<Vec3d, 3>& p, int exponent) {
-    return {scaled(p[0], exponent), scaled(p[1], exponent), scaled(p[2], exponent)};
-}
-
 Vec3<Rational> rational(const Vec3d& p) { return {Rational(p.x), Rational(p.y), Rational(p.z)}; }
 
 /// Returns twice the area vector of the intersection of two faces; 0 unless they are coplanar.
@@ -175,7 +171,7 @@ class BruteForceOverlap {
             const Vec3d p = of.corners(f)[0];
             int winding = 0;
             for (std::size_t g = 0; g < other.face.size(); ++g)
-                winding += winding_along_ray(scaled(p, exponent_), in_units(other.corners(g), exponent_), shift);
+                winding += winding_along_ray(in_units(p, exponent_), in_units(other.corners(g), exponent_), shift);
             weights[f].fill(Rational(winding));
             const std::int32_t vertex = of.name[static_cast<std::size_t>(of.face[f][0])];
             enclosed |= winding != 0 && of.used.contains(vertex);  // a vertex without an edge does not count

@@ -81,20 +81,21 @@ void InProcess::all_to_all(std::span<const std::int64_t> to, std::span<std::int6
 void InProcess::exchange(std::span<const Outgoing> out, std::span<const Incoming> in) {
     std::unique_lock lock(hub_->mutex_);
     for (const Outgoing& message : out)
-        if (!message.bytes.empty()) hub_->box(rank_, message.rank).bytes = message.bytes.data();
+        if (!message.bytes.empty()) hub_->mailbox(rank_, message.rank).bytes = message.bytes.data();
     hub_->notify_change();
     for (const Incoming& message : in) {
         if (message.bytes.empty()) continue;
-        Hub::Box& box = hub_->box(message.rank, rank_);
-        hub_->wait(lock, [&] { return box.bytes != nullptr; });
+        Hub::Mailbox& mailbox = hub_->mailbox(message.rank, rank_);
+        hub_->wait(lock, [&] { return mailbox.bytes != nullptr; });
         lock.unlock();
-        std::memcpy(message.bytes.data(), box.bytes, message.bytes.size());
+        std::memcpy(message.bytes.data(), mailbox.bytes, message.bytes.size());
         lock.lock();
-        box.bytes = nullptr;
+        mailbox.bytes = nullptr;
         hub_->notify_change();
     }
     for (const Outgoing& message : out)
-        if (!message.bytes.empty()) hub_->wait(lock, [&] { return hub_->box(rank_, message.rank).bytes == nullptr; });
+        if (!message.bytes.empty())
+            hub_->wait(lock, [&] { return hub_->mailbox(rank_, message.rank).bytes == nullptr; });
 }
 
 }  // namespace crumple::distribute

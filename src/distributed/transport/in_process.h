@@ -16,7 +16,8 @@ namespace crumple::distribute {
 /// Shared state of all ranks: barrier, data exposed at barriers, and messages.
 class Hub {
    public:
-    explicit Hub(int size) : size_(size), slot_(static_cast<std::size_t>(size)), box_(slot_.size() * slot_.size()) {}
+    explicit Hub(int size)
+        : size_(size), slot_(static_cast<std::size_t>(size)), mailboxes_(slot_.size() * slot_.size()) {}
     int size() const { return size_; }
 
     /// Ends the calls of the other ranks because one rank has failed: they throw Error (communication) instead of
@@ -25,7 +26,7 @@ class Hub {
 
    private:
     friend class InProcess;
-    struct Box {
+    struct Mailbox {
         const std::byte* bytes = nullptr;  ///< message not yet received; null: none
     };
 
@@ -35,8 +36,8 @@ class Hub {
     void notify_change();
     template <class Ready>
     void wait(std::unique_lock<std::mutex>& lock, Ready ready);
-    Box& box(int from, int to) {
-        return box_[static_cast<std::size_t>(from) * slot_.size() + static_cast<std::size_t>(to)];
+    Mailbox& mailbox(int from, int to) {
+        return mailboxes_[static_cast<std::size_t>(from) * slot_.size() + static_cast<std::size_t>(to)];
     }
 
     int size_;
@@ -47,8 +48,8 @@ class Hub {
     int here_ = 0;
     std::uint64_t meetings_ = 0;
     bool left_ = false;
-    std::vector<const void*> slot_;  ///< data that each rank exposes at a barrier
-    std::vector<Box> box_;
+    std::vector<const void*> slot_;   ///< data that each rank exposes at a barrier
+    std::vector<Mailbox> mailboxes_;  ///< by sender, then by receiver
 };
 
 /// Transport of one rank.

@@ -37,7 +37,7 @@ Witnesses closest_points(const Features& features, const RationalDistance& dista
     const std::span<const Vec3d> points(features.point.data(), points_of(features.kinds));
     const int exponent = common_exponent(points);
     std::array<Point, 4> p;
-    for (std::size_t i = 0; i < points.size(); ++i) p[i] = scaled(points[i], exponent);
+    for (std::size_t i = 0; i < points.size(); ++i) p[i] = in_units(points[i], exponent);
     const auto& [s, t] = distance.at();
     const Quotient none;
     const auto on_edge = [&](const Point& from, const Quotient& x, const Point& to) {

@@ -93,7 +93,7 @@ class DoubleWordMinDistance {
         const Vec3d u = high(x.u), v = high(x.v);
         if (guess.inside) {
             const Vec3dw g = combine(x, word(guess.s), word(guess.t));
-            const double along_u = product(g, x.u).high, along_v = product(g, x.v).high;
+            const double along_u = dot_product(g, x.u).high, along_v = dot_product(g, x.v).high;
             const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), area = uu * vv - uv * uv;
             const double ds = (uv * along_v - vv * along_u) / area, dt = (uv * along_u - uu * along_v) / area;
             const bool inside = guess.s + ds > 0 && guess.t + dt > 0 &&
@@ -110,7 +110,7 @@ class DoubleWordMinDistance {
         const Shortest first = on_side(word(guess.r));
         if (!(guess.r > 0 && guess.r < 1)) return first;
         const Vec3dw along = scaled(word(guess.ds), x.u) + scaled(word(guess.dt), x.v);
-        const double step = -product(first.g, along).high / product(along, along).high;
+        const double step = -dot_product(first.g, along).high / dot_product(along, along).high;
         const bool inside = guess.r + step > 0 && guess.r + step < 1;
         return inside ? on_side(two_sum(guess.r, step)) : first;
     }
@@ -156,7 +156,7 @@ class DoubleWordMinDistance {
         limit = {distance, distance};
         if (separation.share > 0) {
             const TwoTerms share = two_product(separation.share, separation.share);
-            const DoubleWord squared = product(at_start.g, at_start.g);
+            const DoubleWord squared = dot_product(at_start.g, at_start.g);
             const DoubleWord height = least(corner_heights(start_, at_start.g)) - word(height_error(at_start.g));
             if (!(squared.high > 0x1p-200 && height.high > 0)) return false;
             const DoubleWord above = squared + word(length_error(at_start.g, squared.high));
@@ -179,7 +179,7 @@ class DoubleWordMinDistance {
     CRUMPLE_HD double height_error(const Vec3dw& g) const { return word_error * length_1(high(g)) * rounded_.size; }
 
     CRUMPLE_HD static std::array<DoubleWord, 4> corner_heights(const Difference<DoubleWord>& x, const Vec3dw& g) {
-        const DoubleWord w = product(g, x.w), u = product(g, x.u), v = product(g, x.v);
+        const DoubleWord w = dot_product(g, x.w), u = dot_product(g, x.u), v = dot_product(g, x.v);
         return {w, w + u, w + v, (w + u) + v};
     }
 
@@ -193,7 +193,7 @@ class DoubleWordMinDistance {
 
     /// Returns an upper bound on the minimum distance times the length of g.
     CRUMPLE_HD static DoubleWord limit_along(const Vec3dw& g, const SquaredLimit& limit) {
-        const DoubleWord squared = limit.high * product(g, g);
+        const DoubleWord squared = limit.high * dot_product(g, g);
         const double root = std::sqrt(squared.high);
         return (word(root) + (squared - two_product(root, root)) / word(2 * root)) * two_sum(1, 4 * word_error);
     }
@@ -223,7 +223,7 @@ class DoubleWordMinDistance {
     /// True if the difference at these parameters is certainly shorter than the limit at `time`.
     CRUMPLE_HD bool closer(const Shortest& shortest, double time, const SquaredLimit& limit) const {
         const Vec3dw g = combine(at(time), shortest.s, shortest.t);
-        const DoubleWord squared = product(g, g), above = squared + word(length_error(g, squared.high));
+        const DoubleWord squared = dot_product(g, g), above = squared + word(length_error(g, squared.high));
         return (limit.low - above).high > 4 * word_error * limit.low.high;
     }
 
@@ -231,7 +231,8 @@ class DoubleWordMinDistance {
     /// falls to the limit; at least 1 if it never does.
     CRUMPLE_HD DoubleWord down_at_limit(const Shortest& at, const SquaredLimit& limit) const {
         const Vec3dw g = at.direction();
-        const DoubleWord start = product(g, combine(start_, at.s, at.t)), end = product(g, combine(end_, at.s, at.t));
+        const DoubleWord start = dot_product(g, combine(start_, at.s, at.t)),
+                         end = dot_product(g, combine(end_, at.s, at.t));
         const DoubleWord fall = start - end;
         return fall.high > 0 ? (start - limit_along(g, limit)) / fall : word(1);
     }

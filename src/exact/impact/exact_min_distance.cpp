@@ -146,7 +146,7 @@ template <std::size_t N, class Quotients>
 Impact first_within(const std::array<MovingPoint, N>& points, const MinDistance& separation, Quotients quotients) {
     const int exponent = common_exponent(points);
     std::array<Vec3<Integer>, N> start;
-    for (std::size_t i = 0; i < N; ++i) start[i] = scaled(points[i].start, exponent);
+    for (std::size_t i = 0; i < N; ++i) start[i] = in_units(points[i].start, exponent);
     std::optional<NonnegativeRatio> least;
     quotients(start, [&](const Integer& over, const Integer& under, auto conditions) {
         const NonnegativeRatio square{over, under};

@@ -30,7 +30,7 @@ template <std::size_t N>
 std::array<Path, N> paths(const std::array<MovingPoint, N>& points, int exponent) {
     std::array<Path, N> result;
     for (std::size_t i = 0; i < N; ++i) {
-        const Vec3<Integer> start = scaled(points[i].start, exponent), end = scaled(points[i].end, exponent);
+        const Vec3<Integer> start = in_units(points[i].start, exponent), end = in_units(points[i].end, exponent);
         for (int axis = 0; axis < 3; ++axis) result[i][axis] = Polynomial({start[axis], end[axis] - start[axis]});
     }
     return result;

@@ -158,10 +158,6 @@ std::vector<RationalPoint> extreme_points(std::vector<RationalPoint> points, con
     return chain;
 }
 
-Corners scaled(const std::array<Vec3d, 3>& corner, int exponent) {
-    return {scaled(corner[0], exponent), scaled(corner[1], exponent), scaled(corner[2], exponent)};
-}
-
 /// True if all corners lie strictly on one side of a triangle's plane, so that the triangles are disjoint; false if
 /// there is no plane.
 bool on_one_side(const Corners& corners, const Plane& plane) {
@@ -206,7 +202,7 @@ RationalIntersection intersect_rationally(const Triangle& a, const Triangle& b) 
     const auto& [a0, a1, a2] = a.point;
     const auto& [b0, b1, b2] = b.point;
     result.exponent = common_exponent(std::array{a0, a1, a2, b0, b1, b2});
-    const Corners corners_a = scaled(a.point, result.exponent), corners_b = scaled(b.point, result.exponent);
+    const Corners corners_a = in_units(a.point, result.exponent), corners_b = in_units(b.point, result.exponent);
     const Plane plane_a = plane_through(corners_a), plane_b = plane_through(corners_b);
     if (on_one_side(corners_b, plane_a) || on_one_side(corners_a, plane_b)) return result;
     const Hull hull_a(corners_a, plane_a), hull_b(corners_b, plane_b);
@@ -244,8 +240,8 @@ Contact contact(const RationalIntersection& intersection) {
 
 Vec3d round_crossing(const Vec3d& p, const Vec3d& q, const std::array<Vec3d, 3>& triangle) {
     const int exponent = common_exponent(std::array{p, q, triangle[0], triangle[1], triangle[2]});
-    const Corners corner = scaled(triangle, exponent);
-    const std::array<Point, 2> line{scaled(p, exponent), scaled(q, exponent)};
+    const Corners corner = in_units(triangle, exponent);
+    const std::array<Point, 2> line{in_units(p, exponent), in_units(q, exponent)};
     const Plane plane = plane_through(corner);
     const RationalPoint crossing = point_at(line, zero_between(plane(line[0]), plane(line[1])));
     Vec3d rounded;

@@ -188,7 +188,7 @@ CRUMPLE_HD_COLD Verdict decide_by_cases(const Triangle& a, const Triangle& b, co
     };
     const Verdict found = verdict(collides());
     if constexpr (!Signs::exact) {
-        if (signs.open()) return Verdict::undecided;
+        if (signs.has_undecided()) return Verdict::undecided;
     }
     return found;
 }

@@ -39,7 +39,7 @@ namespace detail {
 /// Returns the side of the line p → q, 1 (left) or -1, on which a point of this line lies after the point is shifted by
 /// (e, e²).
 template <class Point>
-int sign_on_line(const Point& p, const Point& q, int axis) {
+int side_after_shift(const Point& p, const Point& q, int axis) {
     const int x = first_axis(axis), y = second_axis(axis);
     if (q[y] != p[y]) return q[y] > p[y] ? -1 : 1;
     return q[x] > p[x] ? 1 : -1;
@@ -60,11 +60,11 @@ void add_common_area(const Projection& projection, Corners a, Corners b, Sum& su
     for (std::size_t of = 0; of < 2; ++of)
         for (std::size_t j = 0; j < 3; ++j) {
             const auto &p = (*faces[1 - of])[j], &q = (*faces[1 - of])[next_corner(j)];
-            const int of_line = (of == 1 ? 1 : -1) * detail::sign_on_line(p, q, projection.axis);
+            const int side_on_line = (of == 1 ? 1 : -1) * detail::side_after_shift(p, q, projection.axis);
             bool apart = true;
             for (std::size_t i = 0; i < 3; ++i) {
                 sign[of][i][j] = projection.sign(p, q, (*faces[of])[i]);
-                side[of][i][j] = sign[of][i][j] != 0 ? sign[of][i][j] : of_line;
+                side[of][i][j] = sign[of][i][j] != 0 ? sign[of][i][j] : side_on_line;
                 apart = apart && sign[of][i][j] <= 0;
             }
             if (apart) return;

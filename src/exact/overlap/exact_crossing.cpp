@@ -76,10 +76,7 @@ class IntegerSigns {
 /// Converts points to integers in their largest common unit.
 template <std::size_t N>
 std::array<Vec3<Integer>, N> in_common_unit(const std::array<Vec3d, N>& points) {
-    const int exponent = common_exponent(points);
-    std::array<Vec3<Integer>, N> result;
-    for (std::size_t i = 0; i < N; ++i) result[i] = scaled(points[i], exponent);
-    return result;
+    return in_units(points, common_exponent(points));
 }
 
 Rational quotient(const Integer& x, const Integer& y) { return Rational(mp::cpp_int(x)) / mp::cpp_int(y); }

@@ -38,7 +38,7 @@ CRUMPLE_HD inline Vec3dw combine(const Vec3dw& w, double s, const Vec3dw& u, dou
 }
 
 /// Returns p · q, with an error of at most 24 ε² times the sum of the magnitudes of its three products.
-CRUMPLE_HD inline DoubleWord product(const Vec3dw& p, const Vec3dw& q) {
+CRUMPLE_HD inline DoubleWord dot_product(const Vec3dw& p, const Vec3dw& q) {
     const TwoTerms x = two_product(p.x.high, q.x.high), y = two_product(p.y.high, q.y.high),
                    z = two_product(p.z.high, q.z.high);
     const TwoTerms xy = two_sum(x.high, y.high), xyz = two_sum(xy.high, z.high);

@@ -114,7 +114,7 @@ class Enclosure {
         return {dot(g, along), (6 * epsilon * largest(abs(g)) + 1.1 * error_) * length + slope_slack};
     }
     CRUMPLE_HD Slope slope(const Vec3dw& along, double length) const {
-        const DoubleWord value = product(g_, along);
+        const DoubleWord value = dot_product(g_, along);
         const double error = (25 * epsilon * epsilon * largest(abs(high(g_))) + 1.1 * error_) * length;
         return {value.high, error + 2 * epsilon * std::abs(value.high) + slope_slack};
     }
@@ -133,7 +133,7 @@ class Enclosure {
     }
 
     CRUMPLE_HD void enclose() {
-        squared_ = product(g_, g_);
+        squared_ = dot_product(g_, g_);
         if (seen_.free == 0 && length_1(high(g_)) == 0) {
             below_ = above_ = 0;
         } else if (squared_.high >= least_squared && squared_.high <= largest_size * largest_size) {

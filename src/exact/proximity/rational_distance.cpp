@@ -137,9 +137,9 @@ int power_of(const Quotient& x) {
 RationalDistance::RationalDistance(const Features& features) {
     const std::span<const Vec3d> points(features.point.data(), points_of(features.kinds));
     exponent_ = common_exponent(points);
-    std::array<Point, 4> scaled_points;
-    for (std::size_t i = 0; i < points.size(); ++i) scaled_points[i] = scaled(points[i], exponent_);
-    Parts parts = closest_parts(features.kinds, scaled_points);
+    std::array<Point, 4> integer_points;
+    for (std::size_t i = 0; i < points.size(); ++i) integer_points[i] = in_units(points[i], exponent_);
+    Parts parts = closest_parts(features.kinds, integer_points);
     squared_ = std::move(parts.squared);
     at_ = std::move(parts.at);
     type_ = parts.type;
@@ -147,7 +147,7 @@ RationalDistance::RationalDistance(const Features& features) {
 
 bool RationalDistance::within(const DistanceLimit& reach) const {
     const int exponent = std::min(exponent_, common_exponent(std::array{Vec3d{reach.a, reach.b, 0}}));
-    const Integer sum = scaled(reach.a, exponent) + scaled(reach.b, exponent);
+    const Integer sum = in_units(reach.a, exponent) + in_units(reach.b, exponent);
     const int order =
         Integer(squared_.numerator << 2 * (exponent_ - exponent)).compare(sum * sum * squared_.denominator);
     return reach.strict ? order < 0 : order <= 0;

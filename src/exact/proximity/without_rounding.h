@@ -14,7 +14,7 @@ namespace crumple::detail {
 CRUMPLE_HD inline bool plain(DoubleWord x) { return x.low == 0 && in_expansion_range(x.high); }
 CRUMPLE_HD inline bool plain(const Vec3dw& p) { return plain(p.x) && plain(p.y) && plain(p.z); }
 
-CRUMPLE_HD inline Expansion<6> exact_product(const Vec3dw& p, const Vec3dw& q) {
+CRUMPLE_HD inline Expansion<6> exact_dot_product(const Vec3dw& p, const Vec3dw& q) {
     return Expansion<2>(two_product(p.x.high, q.x.high)) + Expansion<2>(two_product(p.y.high, q.y.high)) +
            Expansion<2>(two_product(p.z.high, q.z.high));
 }
@@ -34,9 +34,9 @@ CRUMPLE_HD inline bool is_combination(const VectorsFromGuess& seen, const Vec3dw
 CRUMPLE_HD_COLD inline bool is_exact(const VectorsFromGuess& seen, const Vec3dw& g, DoubleWord squared) {
     if (!plain(seen.w) || !plain(seen.u) || !plain(seen.v) || !plain(g)) return false;
     if (!in_expansion_range(seen.s) || !in_expansion_range(seen.t) || !is_combination(seen, g)) return false;
-    const int along_u = exact_product(g, seen.u).sign(), along_v = exact_product(g, seen.v).sign();
+    const int along_u = exact_dot_product(g, seen.u).sign(), along_v = exact_dot_product(g, seen.v).sign();
     const bool least = (seen.free > 0 ? along_u == 0 : along_u >= 0) && (seen.free > 1 ? along_v == 0 : along_v >= 0);
-    return least && (exact_product(g, g) - Expansion<2>(squared)).sign() == 0;
+    return least && (exact_dot_product(g, g) - Expansion<2>(squared)).sign() == 0;
 }
 
 /// Returns the sign of `squared` − x².

@@ -34,7 +34,7 @@ class NpyFile {
 };
 
 struct NpyHeader {
-    std::endian order;
+    std::endian byte_order;
     std::string kind;  ///< type of an item: "i4", "f8", ...; another text if items are not plain numbers
     bool by_column;    ///< true if the array is in Fortran order: the first index varies fastest
     std::vector<std::int64_t> shape;

@@ -79,7 +79,7 @@ class ZipReader {
     std::vector<std::string> names_;
     std::unique_ptr<Entries> exact_,
         any_case_;  ///< entries by name as written and by name in lower case; of equal names the first
-    std::unique_ptr<Inflation> open_;
+    std::unique_ptr<Inflation> open_entry_;
 };
 
 /// Converts ASCII letters to lower case, for comparisons of entry names without regard to case.

@@ -210,7 +210,7 @@ std::optional<Array<char>> ZipReader::expand(const std::string& name, std::uint6
 }
 
 bool ZipReader::open(const std::string& name, bool any_case) {
-    open_.reset();
+    open_entry_.reset();
     const Entry* const found = find(name, any_case);
     if (!found) return false;
     const Entry& entry = *found;
@@ -220,13 +220,13 @@ bool ZipReader::open(const std::string& name, bool any_case) {
     const std::uint64_t begin =
         entry.header + local_header + number<std::uint16_t>(header, 26) + number<std::uint16_t>(header, 28);
     if (begin > bytes_.size() || entry.compressed > bytes_.size() - begin) return false;
-    open_ = std::make_unique<Inflation>(entry, bytes_.substr(begin, entry.compressed));
+    open_entry_ = std::make_unique<Inflation>(entry, bytes_.substr(begin, entry.compressed));
     return true;
 }
 
 bool ZipReader::read(char* to, std::size_t size, std::size_t& got) {
     got = 0;
-    return size == 0 || open_->read(to, size, got);
+    return size == 0 || open_entry_->read(to, size, got);
 }
 
 }  // namespace crumple::io

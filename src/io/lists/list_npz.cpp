@@ -15,7 +15,7 @@ void read_numbers(const std::string& bytes, const NpyHeader& header, ArrayChecke
     const std::size_t count = bytes.size() / sizeof(T), width = to.array().width, rows = count / width;
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t place = header.by_column ? i % width * rows + i / width : i;
-        to.add(static_cast<double>(load<T>(bytes.data() + place * sizeof(T), header.order)));
+        to.add(static_cast<double>(load<T>(bytes.data() + place * sizeof(T), header.byte_order)));
     }
 }
 

@@ -15,7 +15,7 @@ class BinaryBody {
    public:
     BinaryBody(const Source& source, const PlyHeader& header)
         : source_(source),
-          order_(header.encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little),
+          byte_order_(header.encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little),
           p_(header.body) {}
 
     /// Returns the least number of bytes that a value takes.
@@ -48,13 +48,13 @@ class BinaryBody {
     template <class T>
     T next() {
         if (remaining() < static_cast<std::int64_t>(sizeof(T))) fail(p_, "the file ends here");
-        const T value = load<T>(p_, order_);
+        const T value = load<T>(p_, byte_order_);
         p_ += sizeof(T);
         return value;
     }
 
     const Source& source_;
-    std::endian order_;
+    std::endian byte_order_;
     const char* p_;
 };
 

@@ -44,7 +44,7 @@ struct Rows {
 };
 
 struct Layout {
-    std::endian order;
+    std::endian byte_order;
     ScalarType precision;
     Rows vertices, faces;
 };
@@ -102,7 +102,7 @@ std::vector<Scalar> read_vertices(RowFile& file, const Layout& layout, const Blo
     Scalar* vertex = xyz.data();
     for_each_row(file, layout.vertices, blocks, reader, [&](const char* row, std::int64_t byte) {
         for (const auto& [axis, place, property] : layout.vertices.columns) {
-            vertex[axis] = value_at<Scalar>(row + place, property->type, layout.order);
+            vertex[axis] = value_at<Scalar>(row + place, property->type, layout.byte_order);
             if (!std::isfinite(vertex[axis]))
                 file.fail_at(byte + place, std::is_same_v<Scalar, float> ? "a coordinate is not a finite float32"
                                                                          : "a coordinate is not finite");
@@ -118,9 +118,9 @@ bool read_faces(RowFile& file, const Layout& layout, int reader, MeshSlice& slic
     const auto read_corners = [&](const char* row, std::int64_t byte, const Column& column) {
         const PlyProperty& list = *column.property;
         const std::int64_t step = size_of(list.type), first = column.place + size_of(*list.count_type);
-        if (value_at<std::int64_t>(row + column.place, *list.count_type, layout.order) != 3) return false;
+        if (value_at<std::int64_t>(row + column.place, *list.count_type, layout.byte_order) != 3) return false;
         for (std::int64_t at = first; at < first + 3 * step; at += step) {
-            const auto index = value_at<std::int64_t>(row + at, list.type, layout.order);
+            const auto index = value_at<std::int64_t>(row + at, list.type, layout.byte_order);
             if (index < 0 || index >= slice.vertices.rows)
                 file.fail_at(byte + at, "a face names vertex " + std::to_string(index) + " of " +
                                             std::to_string(slice.vertices.rows));
@@ -132,7 +132,7 @@ bool read_faces(RowFile& file, const Layout& layout, int reader, MeshSlice& slic
         for (const Column& column : layout.faces.columns) {
             if (column.number == corners_number && !read_corners(row, byte, column)) return false;
             if (column.number != group_number) continue;
-            const auto value = value_at<std::int64_t>(row + column.place, column.property->type, layout.order);
+            const auto value = value_at<std::int64_t>(row + column.place, column.property->type, layout.byte_order);
             if (value != static_cast<std::int32_t>(value))
                 file.fail_at(byte + column.place, "a group does not fit in 32 bits");
             slice.mesh.groups.push_back(static_cast<std::int32_t>(value));

@@ -28,7 +28,7 @@ class Assembler {
         : package_(source, "3MF"), options_(options), warnings_(warnings) {}
 
     WorldMesh read() {
-        root_ = part_named(package_.target_of(model_relationship));
+        root_ = part_name(package_.target_of(model_relationship));
         for (const ModelReference& item : part(root_).model.build) place(item, root_, {}, "");
         warn();
         for (TriangleMesh& shape : world_.shapes) shape.unit = world_.unit;

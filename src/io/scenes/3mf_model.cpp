@@ -181,7 +181,7 @@ class ModelReader : public XmlReader {
 
     ModelReference reference(const char* element, const XmlAttributes& attributes) {
         ModelReference result{line(), number(element, attributes, "objectid")};
-        if (const auto path = attributes.find(path_attribute)) result.part = part_named(*path);
+        if (const auto path = attributes.find(path_attribute)) result.part = part_name(*path);
         if (const auto transform = attributes.find("transform")) result.pose = pose(*transform);
         return result;
     }

@@ -20,7 +20,7 @@ class Relationships : public XmlReader {
         if (attributes.find("Type") != wanted_) return;
         const auto target = attributes.find("Target");
         if (!target) fail("a relationship lacks its Target");
-        targets.push_back(part_named(*target));
+        targets.push_back(part_name(*target));
     }
     void end() override {}
 
@@ -29,7 +29,7 @@ class Relationships : public XmlReader {
 
 }  // namespace
 
-std::string part_named(std::string_view reference) {
+std::string part_name(std::string_view reference) {
     if (reference.starts_with('/')) reference.remove_prefix(1);
     return std::string(reference);
 }

@@ -37,6 +37,6 @@ class Package {
 };
 
 /// Returns the name in the archive of the part that a reference (a path that may begin with '/') names.
-std::string part_named(std::string_view reference);
+std::string part_name(std::string_view reference);
 
 }  // namespace crumple::io

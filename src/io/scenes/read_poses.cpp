@@ -126,8 +126,8 @@ std::vector<Pose> read_npy(const Source& source, std::span<const std::string> bo
     const std::string bytes = npy.read(static_cast<std::size_t>(*items) * size);
     if (!npy.at_end()) fail(source, "the array is longer than its header says");
     Poses poses(source, bodies);
-    return size == 4 ? poses_of<float>(bytes, width, header->order, std::move(poses))
-                     : poses_of<double>(bytes, width, header->order, std::move(poses));
+    return size == 4 ? poses_of<float>(bytes, width, header->byte_order, std::move(poses))
+                     : poses_of<double>(bytes, width, header->byte_order, std::move(poses));
 }
 
 std::vector<Pose> read(const Source& source, std::span<const std::string> bodies) {

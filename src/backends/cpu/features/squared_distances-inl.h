@@ -63,7 +63,7 @@ HWY_INLINE Double combine(Double w, V s, Double u, V t, Double v) {
     return two_sum(both.high, hn::Add(hn::Add(first.low, both.low), low));
 }
 
-/// Counterpart of detail::product() of a vector with itself.
+/// Counterpart of detail::dot_product() of a vector with itself.
 HWY_INLINE Double square(const DoubleVector& p) {
     const Double x = two_product(p.x.high, p.x.high), y = two_product(p.y.high, p.y.high),
                  z = two_product(p.z.high, p.z.high);

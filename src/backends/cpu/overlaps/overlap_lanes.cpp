@@ -51,10 +51,10 @@ struct Total {
         to.error = (1 + 0x1p-20) * hn::GetLane(hn::SumOfLanes(d, error));
     }
 };
-struct Totals {
+struct VectorTotal {
     Total x, y, z;
 
-    HWY_INLINE Totals() {}
+    HWY_INLINE VectorTotal() {}
     HWY_INLINE void add(const Words& term, const Sizes& error) {
         x.add(term.x, error.x), y.add(term.y, error.y), z.add(term.z, error.z);
     }
@@ -94,7 +94,7 @@ HWY_INLINE Words choose(Mask mask, const Words& p, const Words& q) {
 }
 
 /// Returns the dot product of an exact vector and one that errs by `error`.
-HWY_INLINE Bounded product(const Words& exact, const Words& p, const Sizes& error) {
+HWY_INLINE Bounded dot(const Words& exact, const Words& p, const Sizes& error) {
     const Sizes size = size_of(exact);
     return {dot(exact, p), dot(size, error + 16 * uu * (size_of(p) + error))};
 }
@@ -143,7 +143,7 @@ HWY_INLINE std::uint64_t segments(const SegmentBlock& block, const Vec3d& origin
     const D d;
     constexpr int lanes = static_cast<int>(hn::MaxLanes(D()));
     Total volume;
-    Totals moment, area, torque;
+    VectorTotal moment, area, torque;
     std::uint64_t uncertain = 0;
     for (int i = 0; i < block.count; i += lanes) {
         const End s = end_of(block, origin, 0, i), e = end_of(block, origin, 1, i);
@@ -158,7 +158,7 @@ HWY_INLINE std::uint64_t segments(const SegmentBlock& block, const Vec3d& origin
         const Sizes c_error =
             cross(s.size, step_error) + cross(s.error, step_size) + 12 * uu * cross(s.size, step_size);
         const Words a = difference(block.first[0], origin, i), b = difference(block.first[1], origin, i);
-        const Bounded between = product(difference(block.first[0], block.first[1], i), c, c_error);
+        const Bounded between = dot(difference(block.first[0], block.first[1], i), c, c_error);
         {
             const Bounded term = only(counts, between);
             volume.add(term.value, term.error);
@@ -179,7 +179,7 @@ HWY_INLINE std::uint64_t segments(const SegmentBlock& block, const Vec3d& origin
                        curve_error(hn::Mul(set(1.1), square_size) * step_error +
                                    hn::MulAdd(set(8 * uu), square_size, square_error) * step_size));
 
-            const Bounded of_a = product(a, c, c_error), of_b = product(b, c, c_error);
+            const Bounded of_a = dot(a, c, c_error), of_b = dot(b, c, c_error);
             const Words middle = s.at + e.at;
             const Sizes middle_size = s.size + e.size, none = 0 * middle_size;
             const Words term = of_a.value * a - of_b.value * b + between.value * middle;
@@ -222,7 +222,7 @@ HWY_INLINE void faces(const FaceBlock& block, const Vec3d& origin, BlockSums& su
     const D d;
     constexpr int lanes = static_cast<int>(hn::MaxLanes(D()));
     Total volume;
-    Totals moment;
+    VectorTotal moment;
     for (int i = 0; i < block.count; i += lanes) {
         const Words p = difference(block.corner[0], origin, i);
         const Words side = difference(block.corner[1], block.corner[0], i),

@@ -28,7 +28,8 @@ inline constexpr unsigned part_pairs = 2048;  ///< pairs of a part, which one bl
 
 // Lists the parts of the row of first element `a`, if the row is long.
 template <class OutputArrays>
-__device__ void list_row(const OutputArrays& out, std::size_t a, unsigned long long pairs, Counters* counters) {
+__device__ void list_parts_if_long(const OutputArrays& out, std::size_t a, unsigned long long pairs,
+                                   Counters* counters) {
     if (pairs <= short_row) return;
     const unsigned long long parts = (pairs + part_pairs - 1) / part_pairs, place = atomicAdd(&counters->parts, parts);
     for (unsigned long long i = 0; i < parts && place + i < out.part_capacity; ++i)
@@ -81,7 +82,7 @@ __global__ void offsets_kernel(std::size_t n, OutputArrays out, Counters* counte
             if (i > n) break;
             out.offsets[i] = place;
             place += counts[k];
-            list_row(out, i, counts[k], counters);
+            list_parts_if_long(out, i, counts[k], counters);
         }
     }
 }
@@ -89,7 +90,7 @@ __global__ void offsets_kernel(std::size_t n, OutputArrays out, Counters* counte
 template <class OutputArrays>
 __global__ void parts_kernel(std::size_t n, OutputArrays out, Counters* counters) {
     for (std::size_t a = grid_thread(); a < n; a += grid_stride())
-        list_row(out, a, out.offsets[a + 1] - out.offsets[a], counters);
+        list_parts_if_long(out, a, out.offsets[a + 1] - out.offsets[a], counters);
 }
 
 /// Range of the pairs of a part.

@@ -1,4 +1,4 @@
-#include "distributed/part_placement.h"
+#include "distributed/part_layout.h"
 
 #include <algorithm>
 #include <limits>

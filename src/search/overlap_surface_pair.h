@@ -11,7 +11,7 @@
 namespace crumple {
 
 /// Surfaces of two bodies under their poses, and the origin of the sums over their overlap.
-struct OverlapScene {
+struct SurfacePair {
     std::array<const PlacedSurface*, 2> surface{};
     Vec3d origin;
 
@@ -32,8 +32,8 @@ struct CrossingEdge {
     Vec3d from, to;
     FaceCorners face;
 
-    CrossingEdge(const OverlapScene& scene, const Segment& segment, const SegmentEnd& end) {
-        const FaceCorners a = scene.corners_a(segment), b = scene.corners_b(segment);
+    CrossingEdge(const SurfacePair& surfaces, const Segment& segment, const SegmentEnd& end) {
+        const FaceCorners a = surfaces.corners_a(segment), b = surfaces.corners_b(segment);
         const FaceCorners& of = end.side ? b : a;
         face = end.side ? a : b;
         from = of[end.edge];

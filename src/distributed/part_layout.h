@@ -43,13 +43,13 @@ class PartLayout {
     /// Sets the kind of balls that decide which parts a triangle belongs to: the balls for this query about features
     /// or, if null, the balls for intersections.
     void widen(const FeaturePartDemand* query) {
-        balls_.reset();
-        if (query) balls_.emplace(*query, normalise_);
+        feature_ball_.reset();
+        if (query) feature_ball_.emplace(*query, normalise_);
     }
     PartBall ball(const PreparedScene& scene, std::int64_t t) const {
-        return balls_ ? (*balls_)(scene, t) : PartBall(scene.triangle(t), normalise_);
+        return feature_ball_ ? (*feature_ball_)(scene, t) : PartBall(scene.triangle(t), normalise_);
     }
-    double slack_of_path() const { return balls_ ? balls_->slack_of_path() : 1; }
+    double slack_of_path() const { return feature_ball_ ? feature_ball_->slack_of_path() : 1; }
     const Normaliser& normaliser() const { return normalise_; }
 
    private:
@@ -57,7 +57,7 @@ class PartLayout {
     Box reach_;
     Normaliser normalise_;
     std::optional<PartCentres> centres_;
-    std::optional<FeatureBalls> balls_;
+    std::optional<FeatureBallOfTriangle> feature_ball_;  ///< empty: balls for intersections
 };
 
 /// Owners (ranks) of the parts. Computed from integers alone, so that all ranks get the same.
