@@ -191,6 +191,13 @@ TEST_F(Machine, invalid_setting_is_an_error) {
         "CUDA_ON_CPU_ORDER=sideways is not supported");
 }
 
-TEST_F(Machine, device_code_on_the_host_is_an_error) { EXPECT_DEATH(__syncthreads(), "device code runs on the host"); }
+TEST_F(Machine, barriers_and_warp_functions_outside_of_a_launch_abort) {
+    const char* const message = "device code runs on the host, outside of a launch";
+    EXPECT_DEATH(__syncthreads(), message);
+    EXPECT_DEATH(__syncthreads_or(1), message);
+    EXPECT_DEATH(__syncwarp(), message);
+    EXPECT_DEATH(__ballot_sync(0xffffffffu, 1), message);
+    EXPECT_DEATH(__shfl_sync(0xffffffffu, 1, 0), message);
+}
 
 }  // namespace

@@ -61,15 +61,18 @@ def test_contact_at_the_start_is_flagged(either):
     assert either.impacts(start, END, FACES, output="first").first.start is True
 
 
-def test_first_impact_is_none_if_the_step_is_free(either):
+def test_first_impact_is_none_only_if_the_step_is_free(either):
     first = either.impacts(START, END, FACES, output="first").first
     assert first == ("vertex_face", (3, 0), None, 0.5, False) and isinstance(first, crumple.FirstImpact)
     assert toi_of(either.first_impact(START, END, FACES)) == 0.5
     assert (not either.any(crumple.Mesh(START, FACES).moving_to(END), crumple.ImpactQuery())) is False
-    nothing = either.impacts(START, START, FACES, output="first")
-    assert nothing.first is None and not nothing and len(nothing) == 0 and nothing.world_first == [None]
-    assert toi_of(either.first_impact(START, START, FACES)) is None
-    assert either.any(crumple.Mesh(START, FACES).moving_to(START), crumple.ImpactQuery()) is False
+    above = END.copy()
+    above[3, 2] = 0.5  # the vertex falls, but does not reach the face
+    for end in (START, above):
+        nothing = either.impacts(START, end, FACES, output="first")
+        assert nothing.first is None and not nothing and len(nothing) == 0 and nothing.world_first == [None]
+        assert toi_of(either.first_impact(START, end, FACES)) is None
+        assert either.any(crumple.Mesh(START, FACES).moving_to(end), crumple.ImpactQuery()) is False
 
 
 def test_functions_of_the_module_need_no_detector():

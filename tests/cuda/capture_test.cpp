@@ -180,7 +180,7 @@ TEST(CudaCapture, capture_survives_the_end_of_a_detector) {
 }
 
 // A scene that changes suddenly needs longer lists than the graph has. A call outside of the capture allocates them.
-TEST(CudaCapture, incomplete_replay_reports_a_lower_bound_of_pairs_needed) {
+TEST(CudaCapture, incomplete_replay_reports_a_lower_bound_of_pairs_needed_and_the_graph_stays_usable) {
     constexpr int n = 1500;
     const Soup<float> sparse = random_soup(n, 1e-3), dense = random_soup(n, 0.6, 2);
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda});

@@ -142,9 +142,14 @@ TEST(Triangulation, slit_can_join_a_hole_to_the_outline) {
     expect_cut_however_it_lies(two_holes, {0, 4, 5, 6, 7, 8, 9, 10, 11, 8, 7, 4, 0, 1, 2, 3});
 }
 
-TEST(Triangulation, polygon_whose_corner_touches_its_outline_is_cut_without_overlaps) {
+TEST(Triangulation, polygon_that_passes_a_vertex_twice_is_cut_without_overlaps) {
     expect_cut_however_it_lies({{0, 0}, {4, 0}, {4, 4}, {2, 1}, {0, 4}, {0, 2}, {0, 1}}, {0, 1, 2, 3, 4, 5, 3, 6},
                                true);
+}
+
+TEST(Triangulation, polygon_whose_corner_lies_on_another_edge_is_cut_without_overlaps) {
+    expect_cut_however_it_lies({{0, 0}, {4, 0}, {4, 4}, {2, 0}, {0, 4}}, {}, true);
+    expect_cut_however_it_lies({{0, 0}, {4, 0}, {4, 4}, {3, 4}, {0, 2}, {1, 4}, {0, 4}}, {}, true);
 }
 
 TEST(Triangulation, polygons_with_spikes_are_cut_without_overlaps) {

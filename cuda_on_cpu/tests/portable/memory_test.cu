@@ -99,6 +99,17 @@ TEST_F(Memory, strided_copies_skip_padding) {
     check(cudaMemcpy2D(packed.data(), 12, vertices.data(), 16, 12, 10, cudaMemcpyHostToDevice));
     const std::vector<float> found = packed.values();
     for (std::size_t i = 0; i < 30; ++i) EXPECT_EQ(found[i], static_cast<float>(i / 3 * 4 + i % 3));
+    // Copies them back to rows with padding, which must keep its values: on the device, and on the host.
+    const std::vector<float> unwritten(40, -1.0f);
+    const Array<float> padded(unwritten);
+    std::vector<float> on_host = unwritten;
+    check(cudaMemcpy2D(padded.data(), 16, packed.data(), 12, 12, 10, cudaMemcpyDeviceToDevice));
+    check(cudaMemcpy2D(on_host.data(), 16, packed.data(), 12, 12, 10, cudaMemcpyDeviceToHost));
+    const std::vector<float> on_device = padded.values();
+    for (std::size_t i = 0; i < 40; ++i) {
+        EXPECT_EQ(on_device[i], i % 4 == 3 ? -1.0f : vertices[i]) << i;
+        EXPECT_EQ(on_host[i], i % 4 == 3 ? -1.0f : vertices[i]) << i;
+    }
     EXPECT_EQ(cudaMemcpy2D(packed.data(), 8, vertices.data(), 16, 12, 10, cudaMemcpyHostToDevice),
               cudaErrorInvalidPitchValue);
     EXPECT_EQ(cudaGetLastError(), cudaErrorInvalidPitchValue);
