@@ -26,7 +26,7 @@ int run(int argc, char** argv) {
         "crumple");
     app.formatter(std::make_shared<Help>());
     app.set_version_flag("--version", "crumple " CRUMPLE_VERSION, "Print the version and exit");
-    app.require_subcommand(0, 1);  // at most one, so a file may have a command's name
+    app.require_subcommand(0, 1);  // at most one subcommand, so a file after it may have the name of another one
     app.footer(
         "Exit status: 0 success; 1 something collides, touches, is near or overlaps (with --check), or a list is\n"
         "wrong (verify); 2 wrong use or bad input; 3 out of memory: under --memory-limit, the message has a lower\n"

@@ -105,7 +105,8 @@ inline constexpr ListWords words_of_pairs{"pair", "something collides", "nothing
     words_of_near{"near pair", "something is near", "nothing is near"},
     words_of_candidates{"candidate", "some candidates", "no candidates"};
 
-/// Options that these commands share, besides their files and queries.
+/// Options that the commands detect, impacts, near and overlap have in common. The struct of each command derives from
+/// this one, and adds its files and the options of its kind of query.
 struct SearchCommand {
     ListOutputs outputs;
     QueryOptions query_options;
@@ -134,8 +135,7 @@ struct SearchCommand {
     int finish(bool any, const std::string& summary) const;
 };
 /// Adds `--check`, `--stream`, `--stats`, `--progress`, and the options about reading, groups and cost. `check`: help
-/// of
-/// `--check`.
+/// of `--check`.
 void add_search_command_options(CLI::App& app, SearchCommand& command, const std::string& check);
 
 /// Size of a result in rows, and duration of its search, for the summary.

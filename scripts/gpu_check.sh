@@ -1,17 +1,25 @@
 #!/usr/bin/env bash
 # Tests the cuda backend on a machine with a CUDA device, which may be offline, and measures its speed.
-#   scripts/gpu_check.sh --pack [OPTIONS]   before, on a machine with nvcc: makes build-gpu/pack.tar.xz (scripts/gpu_pack.sh)
+#   scripts/gpu_check.sh --pack [OPTIONS]   to be run first, on a machine with nvcc: makes the pack of programs and
+#                                           data, build-gpu/pack.tar.xz (scripts/gpu_pack.sh)
 #   scripts/gpu_check.sh --first            the most important steps, within 90 seconds
 #   scripts/gpu_check.sh --all              these and all others, within 300 seconds
 #     --out FOLDER       folder for results; default: $OUT, else benchmarks/results
 #     --seconds N        another limit
-#     --programs FOLDER  uses programs in FOLDER, not those of the pack: for example for an emulated device, to try this script
+#     --programs FOLDER  uses the programs in FOLDER, not those of the pack: for example programs for an emulated
+#                        device, to try this script
 #
-# The tables below list the steps in order. If a step fails, the others still run. If something is missing, the step is
-# left out, with a line about it. FOLDER gets check.json and check.log, which grow step by step, so that an aborted run
-# leaves its results; cuda_first.json and cuda.json (figures of crumple), cuda_rival.json (of cuBQL), cuda_peers.json (of
-# NVIDIA Warp); kernels.txt (time, registers and occupancy of each kernel of a frame, and the frame's time between kernels),
-# ncu.txt and ncu.ncu-rep (reports of Nsight Compute). Exit status 1 if a step failed or ran out of time.
+# First unpacks the pack and prints information about the device; if this fails, nothing else runs. Then runs the steps
+# of the tables below in order. If one of these fails, the others still run. A step is left out, with a line about it,
+# if a tool, package, program or permission that it needs is missing. The folder for results gets:
+#   check.json, check.log           results of the steps; both grow step by step, so an aborted run leaves its results
+#   cuda_first.json, cuda.json      figures of crumple
+#   cuda_rival.json                 figures of cuBQL
+#   cuda_peers.json                 figures of NVIDIA Warp
+#   kernels.txt                     time, registers and occupancy of each kernel in one frame of the benchmark, and by
+#                                   how much the frame takes longer than its kernels
+#   ncu.txt, ncu.ncu-rep            reports of Nsight Compute
+# Exit status 1 if a step failed or ran out of time.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=scripts/gpu_common.sh

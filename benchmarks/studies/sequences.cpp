@@ -7,8 +7,7 @@
 // first frame of a pass follows the last frame of the pass before, so the scene jumps there. Kinds of measurements:
 //   warm     one detector; centres are warm-started from the frame before
 //   cold     one detector, which searches two other scenes, one of them larger, before each timed frame. They have
-//   other
-//            numbers of clusters, so centres start anew, while buffers stay allocated
+//            other numbers of clusters, so centres start anew, while buffers stay allocated
 //   fixed    one detector without iterations of the clustering: the centres of the first frame for all frames
 //   new      a new detector for each frame; the time includes making and destroying it
 
@@ -90,8 +89,8 @@ bool same_clusters(const Run& a, const Run& b) {
     return std::ranges::equal(a.last, b.last, {}, &Statistics::members, &Statistics::members);
 }
 
-/// Measures all kinds over up to `most` passes; fewer if they would take longer than `budget` seconds, but at least
-/// one, after a pass as a warm-up.
+/// Runs all kinds of measurements (see the top of this file) in one pass that only warms up, and then measures them in
+/// up to `most` passes: fewer if they would take longer than `budget` seconds, without the warm-up, but at least one.
 nlohmann::json follow(const Sequence& sequence, int most, double budget) {
     const std::size_t frames = sequence.frames.size();
     struct Kind {

@@ -128,7 +128,7 @@ struct IntersectionQuery {
 /// Results are the same bytes from every backend, thread count and cluster count. A plain value: copy it to keep it
 /// beyond the detector's next call.
 struct Intersections {
-    bool any = false;        ///< true if anything intersects
+    bool any = false;        ///< true if anything intersects, or counts by IntersectionQuery::containment
     std::int64_t count = 0;  ///< number of pairs of triangles if they are counted or listed, else 0
 
     Array<std::uint8_t> world_hit;  ///< for worlds, per world: 1 if something intersects (not for Output::any)

@@ -75,7 +75,7 @@ class BorrowedMesh {
 };
 
 /// View of a mesh's vertices at the end of a step or in the rest shape. The array must be in the same memory (host or
-/// device) as the mesh, and is ready on the mesh's stream.
+/// device) as the mesh. If it is on the device, the package that owns it makes it ready on the mesh's stream.
 class BorrowedEnd {
    public:
     enum class When : std::uint8_t { end, rest };
@@ -108,8 +108,8 @@ class BorrowedLists {
     std::optional<std::span<const std::int32_t>> points_;
 };
 
-/// View of the radii of a mesh's vertices, one float64 each. The array must be in the same memory as the mesh, and is
-/// ready on the mesh's stream.
+/// View of the radii of a mesh's vertices, one float64 each. The array must be in the same memory (host or device) as
+/// the mesh. If it is on the device, the package that owns it makes it ready on the mesh's stream.
 class BorrowedRadii {
    public:
     BorrowedRadii(nanobind::handle radii, const BorrowedMesh& mesh, const char* which = "");

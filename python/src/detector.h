@@ -96,7 +96,7 @@ class SharedDetector {
     std::shared_ptr<Result> storage() {
         return std::get<Two<Result>>(results_).get(options().memory_limit > 0);
     }
-    /// Return buffers for poses that cannot be read in place. Use them only while a Turn exists.
+    /// Return the buffers for copies of poses that cannot be read in place. Use them only while a Turn exists.
     std::vector<Pose>& poses() { return poses_; }
     std::vector<Pose>& end_poses() { return end_poses_; }
     const Options& options() const { return detector_.options(); }
@@ -141,8 +141,7 @@ class SharedDetector {
 };
 
 /// Returns the detector that a method is called on. Throws Error if it was not constructed, because a subclass did not
-/// call
-/// __init__.
+/// call __init__.
 SharedDetector& detector_of(nanobind::handle self);
 
 /// Throws Error unless `device`, the place of an array, is the host or the detector's CUDA device.

@@ -45,7 +45,7 @@ struct ClothProperties {
 /// Result of one step of ClothSolver::advance_freely().
 struct StepLength {
     std::size_t contacts;   ///< pairs of features that were near at the start of the step
-    double toi;             ///< fraction of the step until the first pair would have met; 1: none would have
+    double toi;             ///< fraction of the step, as NearContactFinder::FreePath::toi
     std::size_t held_back;  ///< points whose movement was shortened
     double share;           ///< fraction of its movement that each other point made; < 1 only if cloth is caught
 };

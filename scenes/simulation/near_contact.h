@@ -38,7 +38,9 @@ class NearContactFinder {
     std::span<const NearContact> find(std::span<const Vec3d> points, double radius);
 
     struct FreePath {
-        double toi;    ///< fraction of the step until the first pair would have met; 1: none would have
+        /// Fraction of the step until the first pair would have come too close, which is to a tenth of its distance at
+        /// the start; 1: none would have.
+        double toi;
         double share;  ///< fraction of its remaining movement that each point made
     };
 

@@ -9,7 +9,7 @@
 
 namespace crumple {
 
-/// Pool of objects. Each is used by one task at a time, and then by others. Thread-safe.
+/// Pool of objects. Each is used by one task at a time, and then by others. Tasks may call with() at the same time.
 template <class T>
 class Pool {
    public:
@@ -24,7 +24,7 @@ class Pool {
         idle_.push_back(std::move(object));
     }
 
-    /// Destroys all idle objects.
+    /// Destroys all idle objects. No task may call with() meanwhile.
     void clear() { idle_.clear(); }
 
    private:

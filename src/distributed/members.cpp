@@ -75,7 +75,8 @@ void RankMembers::update(const RankMesh& share, const PartLayout& layout, Parall
     if (entries_at_first_ == 0) entries_at_first_ = part_.size();
 }
 
-// Measures how far vertices have moved, in normalised coordinates like slack.
+// Measures how far each vertex has moved since the previous call (step_): the larger of the distances that its start
+// and its end position have moved. Distances are in normalised coordinates, as those of slack_ are.
 void RankMembers::measure_steps(const RankMesh& share, const PartLayout& layout, ParallelFor& workers) {
     const PreparedScene& scene = share.scene();
     step_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);

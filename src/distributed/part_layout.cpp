@@ -15,7 +15,7 @@ struct SampleRow {
     Vec3f centroid;
 };
 
-// Returns the box enlarged by a quarter of its extent on each side; finite.
+// Returns the box, enlarged on each side by a quarter of its extent, but only as far as its bounds stay finite.
 Box widened(const Box& box) {
     constexpr double most = std::numeric_limits<double>::max();
     Box reach = box;

@@ -37,8 +37,9 @@ std::vector<PartMembers> list_members(const PartTree& tree, int parts, BallOfTri
 /// Splits a scene into `count` parts. The result depends on the scene and the count only.
 std::vector<Part> make_parts(const PreparedScene& scene, int count, ParallelFor& parallel);
 
-/// Splits a scene by the given balls, instead of balls of the triangles themselves. copy(ids, part) copies the
-/// triangles `ids`, which ascend, into a part that already has its levels; it is called on all threads.
+/// Splits a scene by the given balls, instead of balls of the triangles themselves. Calls copy(ids, part) for each
+/// part, for different parts at the same time on all threads: `part` has its index and levels already (Part::levels),
+/// and copy() adds the triangles `ids`, which ascend.
 std::vector<Part> make_parts(const PreparedScene& scene, int count, ParallelFor& parallel, BallOfTriangle ball,
                              FunctionRef<void(std::span<const std::int32_t> ids, Part& part)> copy);
 

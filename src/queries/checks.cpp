@@ -159,8 +159,8 @@ void check_query(const MeshView& a, const MeshView* b, const IntersectionQuery& 
     check(q.filter.groups == PairScope::both || q.filter.groups == PairScope::between ||
               q.filter.groups == PairScope::within,
           "filter.groups must be both, between or within");
-    // An empty mesh passes, since it cannot show whether it has groups. If one of two meshes has groups, the other one
-    // is in group 0.
+    // If a mesh has no triangles, this query is not refused for lack of groups, since that mesh cannot show whether it
+    // has any. Of two meshes, one with groups suffices, because the other one is then in group 0.
     const auto lacks_groups = [](const MeshView& mesh) { return mesh.triangles.rows > 0 && mesh.groups.empty(); };
     if (!lacks_groups(a) || (b && !lacks_groups(*b))) return;
     check(q.filter.excluded_groups.empty(),

@@ -156,10 +156,10 @@ class OrderedBlocks {
     std::mutex mutex_;
     std::condition_variable changed_;  ///< signals that current_unit_, busy_, failed_ or queued_rows_ changed
     std::map<std::int64_t, Unit> units_;
-    std::int64_t first_ = 0,
-                 current_unit_ = 0;  ///< unit 0 of the current scene, and the current unit, counted over all scenes
-    std::size_t queued_rows_ = 0;    ///< number of queued rows: those of units that are not current yet
-    bool busy_ = false;              ///< true while a thread is in deliver()
+    // Numbers of units, counted over all scenes: that of unit 0 of the current scene, and that of the current unit.
+    std::int64_t first_ = 0, current_unit_ = 0;
+    std::size_t queued_rows_ = 0;  ///< number of queued rows: those of units that are not current yet
+    bool busy_ = false;            ///< true while a thread is in deliver()
     bool failed_ = false;
     std::unique_ptr<Block> filling_;
 };

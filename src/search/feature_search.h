@@ -109,7 +109,8 @@ class FeatureSearch {
     void search_world(BackendBase& backend, std::int32_t pass, const Query& query,
                       std::span<const ClearWorlds::Mark> marked, typename Query::Result& result);
 
-    /// Lets clear_ find the worlds that need no search, or makes it forget the world if all need one.
+    /// Makes clear_ read the bodies, so that it can find the worlds that need no search. If the query, the backend or a
+    /// memory limit requires a search of every world, makes clear_ forget those of the previous call instead.
     template <class Query>
     void read_clear_worlds(const BackendBase& backend, const Query& query);
 

@@ -193,7 +193,8 @@ TEST_P(CodimensionalFeatures, closest_points_are_reported_for_points_and_edges) 
     EXPECT_EQ(std::vector<double>(found.edge_distance.begin(), found.edge_distance.end()), (std::vector<double>{1}));
 }
 
-/// Compares distances with squared distances up to rounding only.
+/// Compares the squares of least distances with the least of the listed squared distances, with a tolerance for
+/// rounding.
 TEST_P(CodimensionalFeatures, least_distances_are_minima_over_all_kinds_of_pairs) {
     for (unsigned seed = 1; seed < 20; ++seed) {
         const MovingSoup<> soup = with_lists(moving_grid(6, 30, 20, seed), 7 * seed + 1);

@@ -432,8 +432,8 @@ TEST(FeaturesOfWorlds, static_worlds_have_impacts_at_the_start_only) {
     EXPECT_GT(impacts, 100);
 }
 
-/// With a filter about groups, the search internally turns the mesh into a world. The result must still be that of a
-/// mesh.
+/// With a filter about groups, a mesh is not searched in place. Like a body of a world, it is first copied to a scene
+/// of posed bodies. The result must still be that of a mesh.
 TEST(FeaturesOfOneMesh, results_with_group_filters_have_offsets_and_no_bodies) {
     MovingSoup<> soup = moving_grid(4, 30, 24, 5);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.groups.push_back(static_cast<std::int32_t>(t % 3));

@@ -165,7 +165,8 @@ Bodies::Bodies(Bytes bytes) {
         calls.push_back(std::move(call));
     }
     if (spoilt) spoil(bytes, *this);
-    // A shape without bodies is read only by backends that cache named shapes, so its name is removed.
+    // Backends that cache named shapes also read a named shape without bodies, and report its errors; other backends do
+    // not. Removes its name, so that all backends report the same errors.
     for (std::size_t s = 0; s < shapes.size(); ++s)
         if (std::none_of(bodies.begin(), bodies.end(),
                          [&](const Body& body) { return body.shape == static_cast<std::int32_t>(s); }))

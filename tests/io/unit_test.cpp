@@ -78,7 +78,8 @@ TEST(Unit, conversion_rounds_once) {
         EXPECT_EQ(coordinates(mesh)[3], exact[i]) << name_of(units[i]);
         EXPECT_EQ(mesh.unit, Unit::metre);
     }
-    // Inches to millimetres: multiplies by 127/5, and compares with integer arithmetic.
+    // Compares lengths that are converted from inches to millimetres with the exact products by 127/5, in integer
+    // arithmetic.
     std::uint64_t random = 1;
     for (int i = 0; i < 10'000; ++i) {
         random = random * 6364136223846793005u + 1442695040888963407u;

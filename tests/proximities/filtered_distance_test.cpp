@@ -269,17 +269,17 @@ TEST(FilteredDistance, ties_on_lattices_need_no_rationals) {
         double distance;
     } ties[] = {
         {vertex_vertex({1, 2, 3}, {4, 6, 3}), 5},
-        {vertex_edge({2, 3, 0}, o, x), 3},             // above the inside
+        {vertex_edge({2, 3, 0}, o, x), 3},             // above the interior of the edge
         {vertex_edge({0, 3, 4}, o, x), 5},             // above an end
-        {vertex_face({1, 2, 3}, o, x, y), 3},          // above the inside
+        {vertex_face({1, 2, 3}, o, x, y), 3},          // above the interior of the face
         {vertex_face({1, 0, 3}, o, x, y), 3},          // above each edge
         {vertex_face({0, 1, 3}, o, x, y), 3},          //
         {vertex_face({2, 2, 3}, o, x, y), 3},          //
         {vertex_face({0, 0, 3}, o, x, y), 3},          // above each corner
         {vertex_face({4, 0, 3}, o, x, y), 3},          //
         {vertex_face({0, 4, 3}, o, x, y), 3},          //
-        {edge_edge(o, x, {1, -1, 3}, {1, 3, 3}), 3},   // inside of both
-        {edge_edge(o, x, {1, 0, 3}, {1, 4, 3}), 3},    // an end above the inside
+        {edge_edge(o, x, {1, -1, 3}, {1, 3, 3}), 3},   // interior above interior
+        {edge_edge(o, x, {1, 0, 3}, {1, 4, 3}), 3},    // an end above the interior
         {edge_edge(o, x, {0, 0, 3}, {0, 4, 3}), 3},    // ends above each other
         {edge_edge(o, x, {0, 3, 0}, {4, 3, 0}), 3},    // parallel
         {edge_edge(o, x, {4, 3, 0}, {0, 3, 0}), 3},    //

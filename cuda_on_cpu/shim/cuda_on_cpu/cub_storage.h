@@ -1,9 +1,10 @@
 #pragma once
 
-// Common part of the counterparts of CUB's block and warp primitives. In each use all threads meet at the call site,
-// which is where the primitive's object is made. Like CUB, it promises no barrier afterwards. To find storage that is
-// reused too early, each thread writes a byte that another thread wrote in the last use (a race to ThreadSanitizer),
-// and in the end all of it, with whatever shares a union with it, is filled with rubbish.
+// Common part of the counterparts of CUB's block and warp primitives. In each use all threads of the block, or all
+// lanes of the logical warp, meet. They must have the same call site: the line that makes the primitive's object. As in
+// CUB, there is no barrier after the use. Two measures find storage that is reused too early: before they meet, each
+// thread writes a byte of the storage that another thread wrote in the last use (a race to ThreadSanitizer); when they
+// have met, the whole storage is filled with rubbish, and so is whatever shares its memory in a union.
 
 #include <cstddef>
 #include <cstdint>

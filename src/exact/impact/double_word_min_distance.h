@@ -6,7 +6,7 @@
 //
 // A direction that turns with time proves that the features are farther apart than the minimum distance up to some
 // float64 time, and two of their points prove that they are closer at the next float64. The earlier of these times is
-// then the result, rounded down; no polynomial is needed. Differences and their domain are those of
+// then the result, rounded down; no roots of polynomials have to be isolated. Differences and their domain are those of
 // moving_difference.h; the height of a difference is its projection on the direction.
 
 #include "exact/impact/filtered_impact.h"

@@ -89,10 +89,11 @@ class DoubleWordPlane {
 /// Computes the point at which the edge from p to q, which must be strictly on different sides, crosses the triangle's
 /// plane, each coordinate correctly rounded. Returns false if `exact` does not resolve it.
 ///
-/// With distances d of p and e of q, known to within E in sum, and D = |d| + |e|: the crossing is p + t (q − p) with
-/// t = d / (d − e). As d and e have different signs, their errors move t by at most E / D; rounding the difference and
-/// the quotient adds less than 2^-100, and the product and the sum 2^-102 |q − p| and 2^-103 of the result. Twice these
-/// last three make up for computing the bound itself in float64.
+/// Let d and e be the distances of p and q, E the sum of the bounds on their errors, and D = |d| + |e|. The crossing is
+/// p + t (q − p) with t = d / (d − e). Errors of t: at most E / D from those of d and e, because d and e have different
+/// signs; less than 2^-100 from rounding the difference and the quotient. Errors of the crossing: |q − p| times those
+/// of t; less than 2^-102 |q − p| from rounding the product; less than 2^-103 of the result from rounding the sum. The
+/// three bounds on roundings are at least doubled, which makes up for computing the bound itself in float64.
 template <class Exact>
 CRUMPLE_HD_COLD bool crossing(const Vec3d& p, const Vec3d& q, const std::array<Vec3d, 3>& triangle, const Exact& exact,
                               Vec3d& result) {

@@ -69,8 +69,9 @@ class FeatureReader {
             fail("it has none of the arrays \"vertex_faces\", \"edge_edges\" and so on");
         for (const CandidateKind kind : kinds_) {
             // Some kinds may have no arrays in the file. Lists of candidates have only the requested kinds. Lists of
-            // impacts and near pairs may lack pairs of triangles, and pairs of the kinds that occur only if edges or
-            // points are listed, and lists of impacts may have pairs of triangles only.
+            // impacts and near pairs may lack pairs of a vertex with an edge or a vertex, which occur only in meshes
+            // with lists of edges or points (MeshView::edges, MeshView::points). Lists of impacts may also lack pairs
+            // of triangles, or have no other pairs.
             const bool may_lack =
                 !words_.has_values() || has(CandidateKind::face_face) || kind >= CandidateKind::face_face;
             if (!may_lack || has(kind)) add(numbers, kind);

@@ -50,7 +50,7 @@ class IntersectLeaves final : public LeafQuery {
     Array<Pair>& found(std::size_t worker) { return worker_[worker]->narrow.pairs; }
     const Copies& copies() const { return copies_; }
 
-    std::size_t pairs_before = 0;  ///< number of pairs in the last result of find()
+    std::size_t pairs_before = 0;  ///< number of pairs in the last result of write_result(); reserve() expects as many
 
    private:
     struct Worker {

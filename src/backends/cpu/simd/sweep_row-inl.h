@@ -27,7 +27,8 @@ namespace HWY_NAMESPACE {
 using Columns = hn::ScalableTag<std::uint16_t>;
 using ColumnVector = hn::Vec<Columns>;
 
-/// Extents of the boxes across the sweep direction, one array each, and ownership bits.
+/// Bounds of the boxes along the two axes across the sweep direction, one array for each bound, and the ownership bits
+/// (`lower`).
 struct BoxColumns {
     const std::uint16_t *HWY_RESTRICT low_y, *HWY_RESTRICT high_y, *HWY_RESTRICT low_z, *HWY_RESTRICT high_z,
         *HWY_RESTRICT lower;

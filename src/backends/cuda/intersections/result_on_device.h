@@ -28,8 +28,8 @@ class ResultOnDevice {
     /// Adds the arrays that write() requires cleared to `batch`: flags, and the counts by first triangle, which
     /// `narrow` then fills. Counters::parts has to be cleared, too.
     void clear(BatchedClear& batch, const PreparedScene& scene) const;
-    /// Turns listed hits, counted by first triangle in output.offsets, into the result. For the last argument, see
-    /// order_buckets().
+    /// Turns the listed hits into the result. output.offsets must contain the number of hits of each first triangle.
+    /// Copies the counters to the last argument, host memory that the device can write, unless it is null.
     void write(const PreparedScene& scene, const List<Hit>& hits, Counters* counters, Counters* told);
     /// Computes the contacts of the result and leaves them on the device. Returns how many the host had to round.
     std::int64_t make_contacts(const PreparedScene& scene, Cancellation& cancellation);
