@@ -93,6 +93,9 @@ TEST(ClearWorlds, results_about_hit_and_clear_worlds_match_brute_force) {
             ASSERT_NO_FATAL_FAILURE(
                 expect_same(detector, brute, moving.view(), ProximityQuery{.radius = distance}, hits, clear));
         }
+        ProximityQuery welded{.radius = 0.2};
+        welded.weld = true;
+        ASSERT_NO_FATAL_FAILURE(expect_same(detector, brute, moving.view(), welded, hits, clear));
         ImpactQuery filtered{.min_distance = 0.5, .triangle_pairs = true};
         filtered.filter.bodies = PairScope::between;
         filtered.filter.excluded_bodies = {{0, 1}, {2, 5}};
