@@ -149,9 +149,9 @@ void GhostVertices::learn(MessageBatches& batches, CollectiveCheck& agree, const
     if (!any_) return;
     agree(Phase::ids, [&] { told_ = ByDirectoryRank(ids, count, &shared_, ranks); });
     traffic_ = traffic_of(batches, told_);
-    first_from_ = first_of_each(traffic_.in);
-    agree(Phase::ids, [&] { kept_.resize(static_cast<std::size_t>(first_from_.back())); });
-    exchange_ids(batches, told_, ids, traffic_, first_from_, kept_);
+    first_row_from_ = first_of_each(traffic_.in);
+    agree(Phase::ids, [&] { kept_.resize(static_cast<std::size_t>(first_row_from_.back())); });
+    exchange_ids(batches, told_, ids, traffic_, first_row_from_, kept_);
     for (std::int32_t& id : kept_) id -= static_cast<std::int32_t>(block_begin_);
 }
 
@@ -183,7 +183,7 @@ void GhostVertices::check_copies(MessageBatches& batches, CollectiveCheck& agree
             }
         },
         [&](int rank, std::int64_t begin, std::span<const Position> rows) {
-            const auto at = static_cast<std::size_t>(first_from_[static_cast<std::size_t>(rank)] + begin);
+            const auto at = static_cast<std::size_t>(first_row_from_[static_cast<std::size_t>(rank)] + begin);
             for (std::size_t i = 0; i < rows.size(); ++i) {
                 const std::int32_t v = kept_[at + i];
                 std::int32_t& known = by[static_cast<std::size_t>(v)];

@@ -50,11 +50,11 @@ class GhostVertices {
                       const char* when) const;
 
     bool any_ = false;
-    std::vector<std::uint8_t> shared_;  ///< 1 per local vertex: it is a ghost vertex
-    ByDirectoryRank told_;              ///< local ghost vertices, by directory rank
-    Traffic traffic_{0};                ///< rows sent and received in check(), 1 per ghost vertex
-    std::vector<std::int32_t> kept_;    ///< by received row: index of the vertex in this rank's block of ids
-    std::vector<std::int64_t> first_from_;
+    std::vector<std::uint8_t> shared_;          ///< 1 per local vertex: it is a ghost vertex
+    ByDirectoryRank told_;                      ///< local ghost vertices, by directory rank
+    Traffic traffic_{0};                        ///< rows sent and received in check(), 1 per ghost vertex
+    std::vector<std::int32_t> kept_;            ///< by received row: index of the vertex in this rank's block of ids
+    std::vector<std::int64_t> first_row_from_;  ///< by rank: index of the first row received from it; then the end
     std::int64_t block_begin_ = 0, block_size_ = 0, all_ = 0;
 };
 

@@ -69,7 +69,7 @@ auto FeatureSearch::run_on_device(BackendBase& backend, const DeviceShape& mesh,
     for (;; download_features(backend, mesh)) {
         cancellation_.check();
         FeatureRequest request = request_of(query, low_memory_, features_, scene_filter_);
-        if constexpr (is_near<Query>) near_input_.tell(mesh.shape.vertices.rows, backend, cancellation_, request);
+        if constexpr (is_near<Query>) proximity_input_.tell(mesh.shape.vertices.rows, backend, cancellation_, request);
         if (auto answer = ask(request)) return answer;
     }
 }
@@ -101,8 +101,8 @@ void FeatureSearch::read_on_device(BackendBase& backend, const DeviceShape& mesh
     const Body body{.self = true};
     read({{&mesh.shape, 1}, {&body, 1}, {}, {}}, query.filter);
     if constexpr (is_near<Query>) {
-        near_input_.begin(outline_, query, false, false, backend, buffers_);
-        near_input_.place(mesh.shape);
+        proximity_input_.begin(outline_, query, false, false, backend, buffers_);
+        proximity_input_.place(mesh.shape);
     }
 }
 

@@ -41,12 +41,12 @@ std::vector<Part> FeatureSearch::partition(BackendBase& backend, const World& wo
     bodies_ = false;
     read(world, query.filter);
     const Shape& shape = outline_.shape(0);
-    if constexpr (is_near<Query>) near_input_.begin(outline_, query, bodies_, true, backend, buffers_);
+    if constexpr (is_near<Query>) proximity_input_.begin(outline_, query, bodies_, true, backend, buffers_);
     const PreparedScene scene = prepare_in_place(backend, !is_near<Query>, query.weld);
     FeatureRequest request = request_of(query, false, features_, scene_filter_);
     if constexpr (is_near<Query>) {
-        near_input_.place(shape);
-        near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
+        proximity_input_.place(shape);
+        proximity_input_.tell(scene.vertex_count(), backend, cancellation_, request);
     }
     return make_feature_parts(scene, features_,
                               {is_motion<Query>, request.distance, request.share, query.weld, request.radii,

@@ -46,7 +46,7 @@ FeatureSearch::FeatureSearch(MemoryMeter& meter, Cancellation& cancellation, Sha
       buffers_(&meter),
       class_of_(&meter),
       features_(&meter),
-      near_input_(&meter),
+      proximity_input_(&meter),
       found_(&meter),
       triangle_impacts_(meter),
       first_edge_(&meter),
@@ -62,7 +62,7 @@ void FeatureSearch::release() {
     buffers_ = SceneBuffers(&meter_);
     class_of_.release();
     features_.release();
-    near_input_.release();
+    proximity_input_.release();
     found_ = FeatureResult(&meter_);
     triangle_impacts_.release();
     first_edge_.release();
@@ -108,7 +108,7 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
         result.first_edge.push_back(0);
         result.first_point.push_back(0);
     }
-    if constexpr (is_near<Query>) near_input_.begin(outline_, query, bodies_, !device_mesh_, backend, buffers_);
+    if constexpr (is_near<Query>) proximity_input_.begin(outline_, query, bodies_, !device_mesh_, backend, buffers_);
 
     if (device_mesh_ || in_place(query.filter)) {
         search_in_place(backend, query, result);
@@ -254,7 +254,7 @@ template <class Query>
 void FeatureSearch::search_in_place(BackendBase& backend, const Query& query, typename Query::Result& result) {
     PreparedScene scene;
     if (!device_mesh_) scene = prepare_in_place(backend, !is_near<Query>, query.weld);
-    if constexpr (is_near<Query>) near_input_.place(outline_.shape(0));
+    if constexpr (is_near<Query>) proximity_input_.place(outline_.shape(0));
     swap_found<Query>(result);
     device_mesh_ ? find_rows_on_device(backend, query) : find_rows(backend, scene, query);
     swap_found<Query>(result);
@@ -289,7 +289,7 @@ bool FeatureSearch::any_among(BackendBase& backend, std::int32_t pass, Query que
         query.output = Output::any;
         const std::optional<PreparedScene> made = prepare_pass(backend, pass, !is_near<Query>, query.weld, marked);
         if (!made) return false;
-        if constexpr (is_near<Query>) near_input_.place(outline_, scene_);
+        if constexpr (is_near<Query>) proximity_input_.place(outline_, scene_);
         find_rows(backend, *made, query);
         add_pass(found_.statistics, result.statistics);
         return found_.any;
@@ -303,7 +303,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
     const std::optional<PreparedScene> made = prepare_pass(backend, pass, !is_near<Query>, query.weld, marked);
     if (!made) return;
     const PreparedScene& scene = *made;
-    if constexpr (is_near<Query>) near_input_.place(outline_, scene_);
+    if constexpr (is_near<Query>) proximity_input_.place(outline_, scene_);
     find_rows(backend, scene, query);
     add_pass(found_.statistics, result.statistics);
     set_hit(world_of(pass), found_.any, result);
@@ -328,7 +328,7 @@ void FeatureSearch::search_world(BackendBase& backend, std::int32_t pass, const 
 template <class Query>
 void FeatureSearch::find_rows(BackendBase& backend, const PreparedScene& scene, const Query& query) {
     FeatureRequest request = request_of(query, low_memory_, features_, scene_filter_);
-    if constexpr (is_near<Query>) near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
+    if constexpr (is_near<Query>) proximity_input_.tell(scene.vertex_count(), backend, cancellation_, request);
     backend.find(scene, request, found_);
     if constexpr (is_motion<Query>)
         if (query.triangle_pairs) find_triangle_pairs(backend, scene, query);

@@ -17,7 +17,7 @@
 #include "crumple/proximities.h"
 #include "partition/feature_part.h"
 #include "queries/feature_requests.h"
-#include "queries/near_input.h"
+#include "queries/proximity_input.h"
 #include "results/feature_output.h"
 #include "scene/body_filter.h"
 #include "scene/joined_lists.h"
@@ -193,7 +193,7 @@ class FeatureSearch {
     SceneBuffers buffers_;
     Array<std::int32_t> class_of_;  ///< class (BodyClass) of each triangle of the current part
     SceneFeatures features_;
-    NearInput near_input_;
+    ProximityInput proximity_input_;
     FeatureResult found_;
     TriangleImpacts triangle_impacts_;
     // First edge and first point of each body that was added to the scene, in their order, then the end:

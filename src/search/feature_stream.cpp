@@ -117,13 +117,13 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Query
     if constexpr (is_candidates<Query>) result.listed = listed_kinds(query);
     result.first_edge.push_back(0);
     result.first_point.push_back(0);
-    if constexpr (is_near<Query>) near_input_.begin(outline_, query, bodies_, true, backend, buffers_);
+    if constexpr (is_near<Query>) proximity_input_.begin(outline_, query, bodies_, true, backend, buffers_);
 
     auto ordered = blocks_of(blocks, meter_, cancellation_, result);
     constexpr bool step = !is_near<Query>;
     if (in_place(query.filter)) {
         const PreparedScene scene = prepare_in_place(backend, step, query.weld);
-        if constexpr (is_near<Query>) near_input_.place(outline_.shape(0));
+        if constexpr (is_near<Query>) proximity_input_.place(outline_.shape(0));
         result.edges = features_.edges();
         result.first_edge.push_back(static_cast<std::int64_t>(result.edges.size()));
         append_codimensional_points(0, result);
@@ -135,7 +135,7 @@ void FeatureSearch::stream(BackendBase& backend, const World& world, const Query
             cancellation_.check();
             const std::optional<PreparedScene> scene = prepare_pass(backend, pass, step, query.weld);
             if (!scene) continue;
-            if constexpr (is_near<Query>) near_input_.place(outline_, scene_);
+            if constexpr (is_near<Query>) proximity_input_.place(outline_, scene_);
             if (one_world) append_features(pass, result);
             stream_scene(backend, *scene, query, false, ordered, result.statistics);
         }
@@ -157,7 +157,7 @@ template <class Query, class Blocks>
 void FeatureSearch::stream_scene(BackendBase& backend, const PreparedScene& scene, const Query& query, bool in_place,
                                  Blocks& blocks, Statistics& statistics) {
     FeatureRequest request = request_of(query, low_memory_, features_, scene_filter_);
-    if constexpr (is_near<Query>) near_input_.tell(scene.vertex_count(), backend, cancellation_, request);
+    if constexpr (is_near<Query>) proximity_input_.tell(scene.vertex_count(), backend, cancellation_, request);
     const auto write = [&](const RowLists& found, Lists<typename Query::Result>& lists) {
         for (std::size_t k = 0; k < lists.size(); ++k) {
             const auto kind = static_cast<KindOf<Query>>(k);

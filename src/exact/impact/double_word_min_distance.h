@@ -31,7 +31,7 @@ template <FeatureKinds kinds>
 class DoubleWordMinDistance {
    public:
     CRUMPLE_HD DoubleWordMinDistance(const std::array<MovingPoint, 4>& points, const MovingDifference<kinds>& rounded)
-        : rounded_(rounded) {
+        : rounded_difference_(rounded) {
         const auto& [p, q, r, s] = points;
         const auto subtract = [](const Vec3d& x, const Vec3d& y) { return exact_difference(x, y); };
         start_ = difference<kinds>(p.start, q.start, r.start, s.start, subtract);
@@ -58,7 +58,7 @@ class DoubleWordMinDistance {
             if (found.verdict != Certainty::unknown || passes == most_passes) return found;
             const double past = far_past(before, far.until, limit);
             if (!(past > far.until)) return {};
-            far = far_time(rounded_, distance, {true, past});
+            far = far_time(rounded_difference_, distance, {true, past});
             if (far.until == 1) return {Certainty::apart};
         }
     }
@@ -88,7 +88,7 @@ class DoubleWordMinDistance {
 
     /// Returns the shortest difference at a time: the float64 guess, improved by one step of Newton's method.
     CRUMPLE_HD Shortest shortest(double time) const {
-        const DomainPoint guess = closest<kinds>(rounded_.at(time));
+        const DomainPoint guess = closest<kinds>(rounded_difference_.at(time));
         const Difference<DoubleWord> x = at(time);
         const Vec3d u = high(x.u), v = high(x.v);
         if (guess.inside) {
@@ -172,11 +172,13 @@ class DoubleWordMinDistance {
     /// Returns a bound on how far g · g is from the squared length of the difference that exact arithmetic has at some
     /// point of the domain.
     CRUMPLE_HD double length_error(const Vec3dw& g, double squared) const {
-        const double off = word_error * rounded_.size;
+        const double off = word_error * rounded_difference_.size;
         return off * (4 * length_1(high(g)) + 4 * off) + word_error * squared;
     }
 
-    CRUMPLE_HD double height_error(const Vec3dw& g) const { return word_error * length_1(high(g)) * rounded_.size; }
+    CRUMPLE_HD double height_error(const Vec3dw& g) const {
+        return word_error * length_1(high(g)) * rounded_difference_.size;
+    }
 
     CRUMPLE_HD static std::array<DoubleWord, 4> corner_heights(const Difference<DoubleWord>& x, const Vec3dw& g) {
         const DoubleWord w = dot_product(g, x.w), u = dot_product(g, x.u), v = dot_product(g, x.v);
@@ -237,7 +239,7 @@ class DoubleWordMinDistance {
         return fall.high > 0 ? (start - limit_along(g, limit)) / fall : word(1);
     }
 
-    const MovingDifference<kinds>& rounded_;
+    const MovingDifference<kinds>& rounded_difference_;
     Difference<DoubleWord> start_, end_;
 };
 

@@ -70,13 +70,13 @@ void RationalSum::add(const Rational& term) {
     if (term == 0) return;
     const mp::cpp_int below = denominator(term);
     const auto twos = static_cast<int>(lsb(below));
-    over_[below >> twos].add(numerator(term), -twos);
+    numerators_[below >> twos].add(numerator(term), -twos);
 }
 
 void RationalSum::add(const Integer& numerator, const Integer& denominator, int exponent) {
     if (numerator == 0) return;
     const auto twos = static_cast<int>(lsb(denominator));
-    over_[mp::cpp_int(denominator >> twos)].add(mp::cpp_int(numerator), exponent - twos);
+    numerators_[mp::cpp_int(denominator >> twos)].add(mp::cpp_int(numerator), exponent - twos);
 }
 
 void RationalSum::add(const RationalSum& other) { add_product(other, 1); }
@@ -84,15 +84,15 @@ void RationalSum::add(const RationalSum& other) { add_product(other, 1); }
 void RationalSum::add_product(const RationalSum& sum, double factor, int times) {
     const Binary binary(factor);
     if (binary.mantissa == 0) return;
-    for (const auto& [below, part] : sum.over_)
-        over_[below].add(part.numerator * binary.mantissa * times, part.exponent + binary.exponent);
+    for (const auto& [below, part] : sum.numerators_)
+        numerators_[below].add(part.numerator * binary.mantissa * times, part.exponent + binary.exponent);
 }
 
 RoundedSum RationalSum::rounded_quotient(int divisor, Cancellation& cancellation) const {
     constexpr int bits = 400;
     int largest = std::numeric_limits<int>::min();
     std::int64_t terms = 0;
-    for (const auto& [below, part] : over_) {
+    for (const auto& [below, part] : numerators_) {
         if (part.numerator == 0) continue;
         ++terms;
         largest = std::max(
@@ -101,7 +101,7 @@ RoundedSum RationalSum::rounded_quotient(int divisor, Cancellation& cancellation
     if (terms == 0) return {};
     const int unit = largest - bits;
     mp::cpp_int low = 0;
-    for (const auto& [below, part] : over_) {
+    for (const auto& [below, part] : numerators_) {
         cancellation.check();
         const int shift = part.exponent - unit;
         low += shift > 0 ? floor_quotient(part.numerator << shift, below)
@@ -115,8 +115,8 @@ RoundedSum RationalSum::rounded_quotient(int divisor, Cancellation& cancellation
 
 Rational RationalSum::total(Cancellation& cancellation) const {
     std::vector<Rational> sums;
-    sums.reserve(over_.size());
-    for (const auto& [below, part] : over_)
+    sums.reserve(numerators_.size());
+    for (const auto& [below, part] : numerators_)
         if (part.exponent < 0)
             sums.emplace_back(part.numerator, below << -part.exponent);
         else

@@ -39,7 +39,7 @@ class RationalSum {
         void add(const mp::cpp_int& other, int other_exponent);
     };
 
-    std::unordered_map<mp::cpp_int, Part> over_;  ///< sums of numerators, by the odd part of their denominators
+    std::unordered_map<mp::cpp_int, Part> numerators_;  ///< sums of numerators, by the odd part of their denominators
 };
 
 /// Sum of square roots of rational numbers, each times a factor that is not negative and is itself a sum of rational

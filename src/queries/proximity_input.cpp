@@ -1,4 +1,4 @@
-#include "queries/near_input.h"
+#include "queries/proximity_input.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,15 +45,15 @@ void check_rest(const std::string& which, const Shape& shape) {
 
 }  // namespace
 
-void NearInput::release() {
+void ProximityInput::release() {
     given_radii_.release();
     points_.release();
     body_.release();
     rings_.release();
 }
 
-void NearInput::begin(const WorldOutline& outline, const ProximityQuery& query, bool bodies, bool here,
-                      ParallelFor& workers, SceneBuffers& buffers) {
+void ProximityInput::begin(const WorldOutline& outline, const ProximityQuery& query, bool bodies, bool here,
+                           ParallelFor& workers, SceneBuffers& buffers) {
     any_radii_ = any_rest_ = false;
     ring_count_ = query.rings;
     rest_.radius = query.rest_radius;
@@ -78,13 +78,13 @@ void NearInput::begin(const WorldOutline& outline, const ProximityQuery& query, 
         throw Error(ErrorCode::invalid_argument, "rest_radius needs a rest shape", Element::option);
 }
 
-void NearInput::place(const Shape& only) {
+void ProximityInput::place(const Shape& only) {
     radii_ = only.radii;
     rest_.position = static_reader(only);
     rest_.body = nullptr;
 }
 
-void NearInput::place(const WorldOutline& outline, const WorldScene& scene) {
+void ProximityInput::place(const WorldOutline& outline, const WorldScene& scene) {
     const auto vertices = [&](std::size_t i) { return outline.shape(scene.added_body(i)).vertices.rows; };
     const std::size_t last = scene.added() - 1;
     const auto all = static_cast<std::size_t>(scene.first_vertex(last) + vertices(last));
@@ -110,7 +110,8 @@ void NearInput::place(const WorldOutline& outline, const WorldScene& scene) {
     rest_.body = body_.data();
 }
 
-void NearInput::tell(std::int64_t vertices, ParallelFor& workers, Cancellation& cancellation, FeatureRequest& query) {
+void ProximityInput::tell(std::int64_t vertices, ParallelFor& workers, Cancellation& cancellation,
+                          FeatureRequest& query) {
     query.radii = radii_;
     if (any_rest_) query.rest = &rest_;
     if (ring_count_ == 0) return;

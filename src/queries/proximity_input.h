@@ -22,9 +22,9 @@ namespace crumple {
 /// message.
 void check_radii(const std::string& which, std::span<const double> radii);
 
-class NearInput {
+class ProximityInput {
    public:
-    explicit NearInput(MemoryMeter* meter) : given_radii_(meter), points_(meter), body_(meter), rings_(meter) {}
+    explicit ProximityInput(MemoryMeter* meter) : given_radii_(meter), points_(meter), body_(meter), rings_(meter) {}
 
     /// Reads and checks the input of the query and the shapes. `bodies`: true if messages name shapes, false for a
     /// single mesh. `here`: true if the arrays are in host memory; if false, only their sizes are checked. Throws Error
