@@ -323,7 +323,16 @@ def closed_detector_refuses_calls():
     assert repr(result).startswith(f"<crumple.mpi.Intersections: {len(result)} colliding pairs on this rank, ")
     detector.close()
     detector.close()
-    for call in (lambda: detector.rank, lambda: detector.statistics, lambda: detector.intersections([], [])):
+    local = crumple.mpi.LocalMesh(([], []))
+    for call in (
+        lambda: detector.rank,
+        lambda: detector.statistics,
+        lambda: detector.intersections([], []),
+        lambda: detector.impacts([], [], []),
+        lambda: detector.proximities([], [], radius=1),
+        lambda: detector.find(local),
+        lambda: detector.any(local),
+    ):
         error = error_of(call)
         assert error.code == "communication" and str(error) == "the detector is closed"
     assert result.pairs.shape == (len(result), 2)

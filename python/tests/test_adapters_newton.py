@@ -89,6 +89,9 @@ def test_contacts_are_strictly_closer_than_the_radius():
     assert contacts.vertex_colliding_triangles.tolist() == [3, 0]
     assert contacts.triangle_colliding_vertices.tolist() == [3]
     assert contacts.triangle_colliding_vertices_min_dist.tolist() == [0.5, 0.5]
+    crossed = np.array([[-1, 0, 0], [1, 0, 0], [0, 0, -9], [0, -1, 0.5], [0, 1, 0.5], [0, 0, 9]])
+    assert detector.detect(crossed, 0.5).edge_colliding_edges.tolist() == []
+    assert detector.detect(crossed, np.nextafter(0.5, 1)).edge_colliding_edges.tolist() == [0, 3, 3, 0]
 
 
 def test_warp_arrays_are_accepted_and_share_memory_with_results():

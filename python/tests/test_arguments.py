@@ -111,6 +111,7 @@ def test_error_names_the_detector_option_with_a_huge_value(name):
 def test_numpy_scalars_are_accepted_like_python_numbers():
     for integer in (np.int8, np.uint16, np.int64, np.uint64):
         detector = crumple.Detector(threads=integer(2), memory_limit=integer(0), leaf_size=integer(100))
+        assert {"threads": 2, "memory_limit": 0, "leaf_size": 100}.items() <= detector.options.items()
     detector = crumple.Detector(
         threads=np.int32(2), fuzzy_c_means=FuzzyCMeans(np.float32(2), stop=np.float64(0.01), first_stop=0)
     )
@@ -245,8 +246,9 @@ class Raising:
 )
 def test_exceptions_of_arguments_other_than_type_errors_propagate(call):
     for error in (KeyboardInterrupt(), MemoryError(), ZeroDivisionError("inside")):
-        with pytest.raises(type(error)):
+        with pytest.raises(type(error)) as caught:
             call(Raising(error))
+        assert caught.value is error
     with pytest.raises(crumple.InvalidType):
         call(Raising(TypeError()))
 

@@ -77,12 +77,15 @@ def test_error_explains_how_to_request_a_missing_list():
 def test_arrays_are_read_only_unless_copied():
     detector = crumple.Detector()
     found = detector.candidates(START, FACES, end=END)
-    assert found.vertex_faces.dtype == np.int32 and not found.vertex_faces.flags.writeable
+    assert found.vertex_faces.dtype == np.int32
+    for name in ("vertex_faces", "edge_edges", "edges"):
+        assert len(getattr(found, name)) and not getattr(found, name).flags.writeable, name
     kept = found.edge_edges.copy()
     detector.candidates(START, FACES, inflation=9)
     detector.candidates(START, FACES, inflation=8)
     np.testing.assert_array_equal(found.edge_edges, kept)
-    assert detector.candidates(START, FACES, end=END, copy=True).edge_edges.flags.writeable
+    copied = detector.candidates(START, FACES, end=END, copy=True)
+    assert all(getattr(copied, name).flags.writeable for name in ("vertex_faces", "edge_edges", "edges"))
     assert_same(crumple.candidates(START, FACES, end=END), found)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import crumple
 from conftest import OnDevice
-from features import CANDIDATE_KINDS, END, FACES, LISTS, START
+from features import BODIES, CANDIDATE_KINDS, END, FACES, LISTS, START
 
 WORLD = crumple.World(
     [crumple.Shape(START[:3], FACES[:1]), crumple.Shape(START[3:], FACES[:1], end=END[3:])], self_collisions=True
@@ -41,11 +41,18 @@ def test_npz_and_json_hold_the_arrays_of_the_result(name, detector, tmp_path):
     result.save(tmp_path / "lists.npz")
     result.save(tmp_path / "lists.json")
     read, text = np.load(tmp_path / "lists.npz"), json.loads((tmp_path / "lists.json").read_text())
-    more = ["vertex_face_bodies", "first_edge"] if "world" in name else []
+    more = ["first_edge", *BODIES[:-1]] if "world" in name else []
+    if name == "candidates of a world":
+        more += ["edge_face_bodies", "face_face_bodies"]
     for array in (*LISTS[type(result).__name__], "edges", *more):
         np.testing.assert_array_equal(read[array], getattr(result, array))
         assert text[array] == getattr(result, array).tolist()
     assert text["statistics"]["pairs"] == len(result)
+    if "triangles" in name:
+        for array, of_file in (("pairs", "faces"), ("pair_toi", "face_toi"), ("pair_start", "face_start")):
+            expected = getattr(result, f"triangle_{array}")
+            np.testing.assert_array_equal(read[f"face_{of_file}"], expected)
+            assert text[f"face_{of_file}"] == expected.tolist() != []
 
 
 def test_text_has_one_line_for_each_pair(detector, tmp_path):
@@ -70,6 +77,10 @@ def test_files_hold_only_the_requested_kinds(detector, tmp_path):
         with np.load(tmp_path / "list.npz") as read:
             assert sorted(read) == ["face_faces"] and read["face_faces"].tolist() == [[0, 1]]
         assert (tmp_path / "list.CSV").read_text() == "kind,vertex,face,a,b,c,d\nff,,0,1,,,\n"
+        result.save(tmp_path / "list.json")
+        assert set(json.loads((tmp_path / "list.json").read_text())) == {"face_faces", "statistics"}
+        result.save(tmp_path / "list.txt")
+        assert (tmp_path / "list.txt").read_text() == "ff 0 1\n"
 
 
 @pytest.mark.parametrize("name", ["impacts", "near"])

@@ -199,6 +199,8 @@ def test_repeated_searches_reuse_memory(name, detector):
 
 def test_results_made_with_copy_can_be_written_to(detector):
     for result in (detector.impacts(MESH, MOVED, copy=True), detector.proximities(MESH, radius=0.2, copy=True)):
+        for name in (*LISTS[type(result).__name__], "edges"):
+            assert getattr(result, name).flags.writeable, name
         result.edge_edges[:] = 0
         assert not result.edge_edges.any() and result._found.edge_edges.any()
 

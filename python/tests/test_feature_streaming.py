@@ -106,7 +106,16 @@ def test_blocks_of_worlds_are_the_whole_result(detector):
 def test_block_can_be_kept_pickled_and_saved(tmp_path):
     detector = crumple.Detector(threads=2)
     for scene, query in SEARCHES.values():
-        blocks = gathered(detector, scene, query, 20)
+        blocks, rows = [], []
+
+        def keep(block, blocks=blocks, rows=rows):
+            blocks.append(block)
+            rows.append({name: getattr(block, name).copy() for name in arrays_of(block)})
+
+        detector.stream(scene, query, keep, block_rows=20)
+        for block, copies in zip(blocks, rows):
+            for name, expected in copies.items():
+                np.testing.assert_array_equal(getattr(block, name), expected, name)
         copied = pickle.loads(pickle.dumps(blocks[1]))
         assert repr(copied) == repr(blocks[1]) and len(copied) == 20
         for name in arrays_of(copied):
@@ -159,8 +168,11 @@ def test_error_names_the_wrong_argument(search, detector):
 
 
 def test_stream_refuses_distances_and_options_index_and_least(detector):
-    for query in (crumple.ImpactQuery(index=True), crumple.ProximityQuery(radius=1, least=True)):
-        with pytest.raises(crumple.InvalidInput):
+    for option, query in (
+        ("index", crumple.ImpactQuery(index=True)),
+        ("least", crumple.ProximityQuery(radius=1, least=True)),
+    ):
+        with pytest.raises(crumple.InvalidInput, match=f"^{option} must be false: blocks have no "):
             detector.stream(STEP, query, print)
     with pytest.raises(crumple.InvalidType, match="a ProximityQuery needs a radius"):
         detector.stream(MESH, crumple.ProximityQuery(), print)

@@ -395,9 +395,12 @@ def test_errors_of_arrays_in_cuda_memory_name_the_argument(detector, errors, tol
 
 
 @pytest.mark.parametrize("error", [MemoryError, KeyboardInterrupt])
-def test_memory_errors_and_interrupts_of_dlpack_propagate(detector, error):
-    with pytest.raises(error):
-        detector.intersections(Producer(MESH.vertices, errors=[error]), OnDevice(MESH.faces))
+def test_memory_errors_of_dlpack_stay_memory_errors_and_interrupts_propagate(detector, error):
+    raised = error()
+    with pytest.raises(error) as caught:
+        detector.intersections(Producer(MESH.vertices, errors=[raised]), OnDevice(MESH.faces))
+    assert type(caught.value) is error
+    assert raised is (caught.value.__cause__ if error is MemoryError else caught.value)
 
 
 def test_cuda_arrays_without_a_dlpack_device_are_refused(detector):

@@ -63,6 +63,7 @@ def test_defaults_in_the_signature_are_the_real_ones(name, detector):
         if parameter.default is not inspect.Parameter.empty
     }
     assert len(defaults) > 2
+    assert {field.name: field.default for field in dataclasses.fields(QUERIES[name])}.items() <= defaults.items()
     given = CALLS[name]
     for place in list(inspect.signature(method).parameters)[: len(given)]:
         defaults.pop(place, None)

@@ -174,7 +174,7 @@ def test_index_with_groups_lists_the_impacts_of_each_feature(either):
     "given",
     [
         np.asfortranarray,
-        lambda a: a[::-1][::-1],
+        lambda a: a[::-1].copy()[::-1],
         lambda a: np.repeat(a, 2, axis=0)[::2],
         lambda a: a.astype(">f8"),
         lambda a: a.tolist(),

@@ -77,6 +77,9 @@ def test_least_distance_of_each_feature_is_rounded_down(either):
     down = root if int(root * 2**52) ** 2 <= 2 * 4**52 else np.nextafter(root, 0)
     assert len(found.edges) == 6 and set(found.edge_distance.tolist()) <= {down, np.inf}
     assert np.flatnonzero(np.isfinite(found.edge_distance)).tolist() == np.unique(found.edge_edges).tolist()
+    corner = np.concatenate([START[:3], [[-1, -1, 0], [-9, -1, 0], [-9, -9, 9]]])  # vertex 3 is near the corner 0 0 0
+    found = either.proximities(corner, FACES, radius=1.5, least=True)
+    assert found.vertex_distance[3] == found.face_distance[0] == down
 
 
 def test_module_function_finds_near_pairs_without_a_detector():

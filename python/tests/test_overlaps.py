@@ -180,11 +180,22 @@ def test_results_can_be_copied_and_pickled(detector):
             "torque",
             "gradient",
             "gradient_vertices",
+            "gradient_offsets",
             "windings",
+            "winding_vertices",
             "is_solid",
+            "body_volume",
             "contact_area",
+            "area_vector",
+            "normal",
+            "mean_depth",
+            "curve_points",
+            "curve_offsets",
+            "curve_triangles",
+            "curve_closed",
+            "curve_area_vector",
         ):
-            assert np.array_equal(getattr(same, name), getattr(found, name))
+            np.testing.assert_array_equal(getattr(same, name), getattr(found, name), name)
     assert repr(found) == repr(copy.copy(found)) and "1 pair of bodies" in repr(found)
 
 

@@ -132,7 +132,7 @@ def test_public_names_and_their_methods_have_docstrings():
         assert inspect.getdoc(thing), name
         if inspect.isclass(thing) and thing.__module__.startswith("crumple"):
             for member, value in vars(thing).items():
-                if not member.startswith("_") and (callable(value) or isinstance(value, property)):
+                if not member.startswith("_") and (callable(value) or isinstance(value, (property, classmethod))):
                     assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
 
 

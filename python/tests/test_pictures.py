@@ -42,10 +42,12 @@ def test_all_contacts_of_a_scene_are_drawn(detector):
     assert set(counts.tolist()) >= {1, 2, 3, 4}
     assert len(drawing.lines) == (counts == 2).sum() + counts[counts > 2].sum()
     assert len(drawing.points) == (counts == 1).sum()
-    for pair in np.nonzero(counts > 2)[0][:50]:
+    assert sorted(drawing.points.tolist()) == sorted(contacts.points[contacts.offsets[:-1][counts == 1]].tolist())
+    lines = {tuple(line.ravel().tolist()) for line in drawing.lines}
+    for pair in np.nonzero(counts > 1)[0]:
         points = contacts[pair]
-        ring = {(*a, *b) for a, b in zip(points.tolist(), np.roll(points, -1, axis=0).tolist())}
-        assert ring <= {tuple(line.ravel().tolist()) for line in drawing.lines}
+        ring = [(*a, *b) for a, b in zip(points.tolist(), np.roll(points, -1, axis=0).tolist())]
+        assert lines.issuperset(ring if len(ring) > 2 else ring[:1])
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-300, 8e307])

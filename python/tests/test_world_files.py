@@ -148,11 +148,12 @@ def test_mesh_file_is_a_world_of_one_body(tmp_path, detector):
 
 
 def test_read_world_gives_the_warnings_of_read_mesh(tmp_path):
-    (tmp_path / "odd.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 1 2 3 3\n")
+    (tmp_path / "odd.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 1 2 3 3\nseam 1\n")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         mesh = crumple.read_mesh(tmp_path / "odd.obj")
         expected = [str(w.message) for w in caught]
+        assert len(expected) == 1 and "'seam'" in expected[0]
         caught.clear()
         world = crumple.read_world(tmp_path / "odd.obj")
         assert [str(w.message) for w in caught] == expected
@@ -231,6 +232,10 @@ def test_result_of_a_world_is_saved_as_glb_ply_obj_and_html(name, tmp_path, dete
         assert len(crumple.read_mesh(tmp_path / name).faces) == len(world.mesh.faces)
         red = red_faces(tmp_path / name, 252)
         np.testing.assert_array_equal(red, detector.intersections(world, index=True).hit)
+    if name == "world.obj":
+        assert len(crumple.read_mesh(tmp_path / name).faces) == len(world.mesh.faces)
+    if name == "world.html":
+        assert f"{len(result)} colliding pairs" in (tmp_path / name).read_text()
 
 
 def test_body_pairs_are_saved_with_whole_bodies_coloured(tmp_path, detector):

@@ -152,6 +152,11 @@ def test_error_names_the_wrong_configuration(detector):
     many = base.configurations(with_entry(poses(10).reshape(5, 2, 3, 4), (3, 1, 0, 0), np.nan))
     with pytest.raises(crumple.InvalidInput, match=r"body 7 \('hand' of configuration 3\): its pose is not finite"):
         detector.intersections(many)
+
+
+def test_invalid_configurations_are_refused():
+    base = three(worlds=[0, 0, -1])
+    many = base.configurations(poses(10).reshape(5, 2, 3, 4))
     for wrong, message in [
         (
             poses(10).reshape(2, 5, 3, 4),

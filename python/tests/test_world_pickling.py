@@ -80,8 +80,10 @@ def test_copied_or_pickled_worlds_are_equal_to_the_original():
             for array, expected in zip(shape.mesh, original.mesh):
                 np.testing.assert_array_equal(array, expected)
         np.testing.assert_array_equal(found.poses, world.poses)
-    many = pickle.loads(pickle.dumps(WORLDS["configurations"]))
-    assert many.names == ("a", "b", "table") and many.originals.tolist() == [0, 1] * 5 + [2]
+    many = WORLDS["configurations"]
+    for found in (pickle.loads(pickle.dumps(many)), copy.copy(many), copy.deepcopy(many)):
+        assert found.names == ("a", "b", "table") and found.originals.tolist() == [0, 1] * 5 + [2]
+        np.testing.assert_array_equal(found.poses, many.poses)
 
 
 def test_pickled_world_gives_the_same_result_in_another_process(detector, tmp_path):

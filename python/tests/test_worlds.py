@@ -158,7 +158,7 @@ class Dlpack:
         square,
         np.asfortranarray,
         Dlpack,
-        lambda p: p[::-1][::-1],
+        lambda p: p[::-1].copy()[::-1],
         lambda p: np.repeat(p, 2, axis=0)[::2],
         lambda p: square(p).tolist(),
         lambda p: p.astype(">f8"),
@@ -181,9 +181,9 @@ def test_layout_of_poses_does_not_change_the_pairs(given, detector):
 def test_poses_can_be_float32_or_integers(detector):
     world = crumple.World([soup(30, size=0.5)], [0, 0], self_collisions=False)
     poses = np.zeros((2, 3, 4), int)
-    poses[:, range(3), range(3)], poses[1, 0, 3] = 1, 0
+    poses[0, range(3), range(3)] = poses[1, range(3), [1, 2, 0]] = 1
     expected = detector.intersections(world.at(poses.astype(float))).pairs.tolist()
-    assert expected
+    assert expected and expected != detector.intersections(world).pairs.tolist()
     for given in (poses, poses.astype(np.float32), poses.tolist()):
         assert detector.intersections(world.at(given)).pairs.tolist() == expected
     with pytest.raises(crumple.InvalidType, match="poses must be float64 or float32, not float16"):
@@ -257,7 +257,8 @@ def test_world_keeps_its_arrays_alive(detector):
 
     world, expected = made()
     gc.collect()
-    assert detector.intersections(world).pairs.tolist() == expected and expected
+    others = [random_columns(seed) for seed in range(20)]  # they would reuse freed memory
+    assert detector.intersections(world).pairs.tolist() == expected and expected and others
 
 
 def test_results_made_with_copy_can_be_written_to(detector):

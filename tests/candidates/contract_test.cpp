@@ -189,7 +189,7 @@ TEST_P(CandidateErrors, meshes_with_invalid_indices_or_device_memory_are_rejecte
     mesh.memory = MemorySpace::cuda;
     EXPECT_EQ(refused([&] { detector_.find(mesh, CandidateQuery()); }).code, ErrorCode::invalid_argument);
 }
-TEST_P(CandidateErrors, stopped_call_reports_cancellation) {
+TEST_P(CandidateErrors, call_stopped_before_its_start_reports_cancellation) {
     std::stop_source stop;
     stop.request_stop();
     const auto call = [&] { detector_.find(soup_.view(), CandidateQuery(), stop.get_token()); };
@@ -204,9 +204,13 @@ TEST(CandidateCalls, swap_result_moves_the_result_without_copying) {
     Detector detector({.backend = Backend::cpu, .threads = 2}), fresh({.backend = Backend::cpu});
     const Candidates& held = detector.find(soup.view(), CandidateQuery{.inflation = 1});
     const Pair* const storage = held[CandidateKind::edge_edge].pairs.data();
+    const Pair* const vertex_faces = held[CandidateKind::vertex_face].pairs.data();
+    const auto* const edges = held.edges.data();
     Candidates taken;
     detector.swap_result(taken);
     EXPECT_EQ(taken[CandidateKind::edge_edge].pairs.data(), storage) << "nothing is copied";
+    EXPECT_EQ(taken[CandidateKind::vertex_face].pairs.data(), vertex_faces);
+    EXPECT_EQ(taken.edges.data(), edges);
     EXPECT_TRUE(held.count == 0 && held[CandidateKind::edge_edge].pairs.empty() && held.edges.empty());
     detector.find(soup.view(), CandidateQuery());
     EXPECT_TRUE(same_candidates(taken, fresh.find(soup.view(), CandidateQuery{.inflation = 1})));

@@ -146,7 +146,12 @@ TEST_F(Bodies, coloured_glb_keeps_names_and_poses) {
     ASSERT_EQ(crumple("detect robot.glb --groups bodies -o c.glb -o c.ply -o c.html -o c.obj").status, 0);
     EXPECT_EQ(list("c.glb"), "base\tarm\narm\thand\n") << "names and poses are kept";
     const io::WorldMesh world = io::read_world(file("c.glb"));
-    EXPECT_EQ(world.bodies[2].pose.rows[3], 1.25);
+    const io::WorldMesh original = io::read_world(file("robot.glb"));
+    ASSERT_EQ(world.bodies.size(), original.bodies.size());
+    for (std::size_t i = 0; i < original.bodies.size(); ++i) {
+        EXPECT_EQ(world.bodies[i].name, original.bodies[i].name);
+        EXPECT_EQ(world.bodies[i].pose, original.bodies[i].pose) << original.bodies[i].name;
+    }
     EXPECT_EQ(io::read_mesh(file("c.ply")).triangle_count(), 16);
     EXPECT_EQ(shell("$crumple detect robot.glb --groups bodies -o - --format glb > d.glb").status, 0);
     EXPECT_EQ(read("d.glb"), read("c.glb"));
@@ -222,6 +227,9 @@ TEST_F(Bodies, info_lists_bodies) {
     EXPECT_TRUE(contains(outcome.out,
                          "bodies                4\nshapes                1\ntriangles             16\n"
                          "unit                  m\n"));
+    for (const char* const body : {"\nbody 0                base\n", "\nbody 1                arm\n",
+                                   "\nbody 2                hand\n", "\nbody 3                far away\n"})
+        EXPECT_TRUE(contains(outcome.out, body)) << outcome.out;
     const std::string last = outcome.out.substr(outcome.out.find("body 3 "));
     EXPECT_TRUE(contains(last, "body 3                far away\nshape                 0\n")) << last;
     EXPECT_TRUE(contains(last, "closed                yes\nvolume                0.166667 m^3\n")) << last;
@@ -244,7 +252,7 @@ TEST_F(Bodies, summary_reports_that_nothing_collides) {
                  "nothing collides: 4 bodies"));
 }
 
-TEST_F(Bodies, strict_turns_warnings_into_errors) {
+TEST_F(Bodies, strict_turns_the_warning_about_a_skin_into_an_error) {
     crumple::test::GltfScene scene = crumple::test::robot_scene();
     scene.json["nodes"][1]["skin"] = 0;
     write("skin.glb", scene.glb());

@@ -52,6 +52,7 @@ TEST_F(Candidates, candidates_are_written_in_every_format) {
     EXPECT_FALSE(json.contains("edge_edges")) << "which was not requested";
     EXPECT_TRUE(contains(read("a.npz"), "face_faces.npy"));
     EXPECT_FALSE(contains(read("a.npz"), "edge_edges.npy"));
+    EXPECT_EQ(crumple("verify --candidates above.off below.off a.npz --kinds vertex_face,face_face").status, 0);
     EXPECT_EQ(crumple(step + " --kinds vertex_face,face_face -o - --format csv").out, read("a.csv"));
 }
 

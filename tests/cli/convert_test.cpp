@@ -40,6 +40,7 @@ TEST_F(Convert, stl_output_holds_float32_and_refuses_overflow) {
     const io::TriangleMesh stl = io::read_mesh(file("a.stl"));
     EXPECT_EQ(stl.triangle_count(), 3);
     EXPECT_EQ(stl.precision(), ScalarType::float32);
+    EXPECT_EQ(second_x(stl), double{0.1f});
     write("far.obj", "v 1e300 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     const Outcome refused = crumple("convert far.obj far.stl");
     EXPECT_EQ(refused.status, 2);

@@ -105,6 +105,9 @@ TEST_F(Detect, groups_can_be_components) {
 TEST_F(Detect, components_of_two_files_are_distinct) {
     EXPECT_EQ(pairs("five.off two.off --groups components --filter within"), "");
     EXPECT_EQ(pairs("five.off two.off --groups components --filter between"), "0 1\n2 0\n3 1\n4 0\n");
+    // Each component of the one copy meets the same component of the other.
+    EXPECT_EQ(pairs("five.off five.off --groups components --filter within"), "");
+    EXPECT_EQ(pairs("five.off five.off --groups components --filter between"), pairs("five.off five.off"));
 }
 
 TEST_F(Detect, groups_can_come_from_a_file) {
@@ -162,13 +165,17 @@ TEST_F(Detect, pairs_are_written_in_every_format) {
     EXPECT_EQ(json["statistics"]["pairs"], 3);
     EXPECT_TRUE(read("p.npz").starts_with("PK"));
     EXPECT_TRUE(contains(read("p.npz"), "pairs.npy"));
+    EXPECT_EQ(crumple("verify five.off p.npz").status, 0);
 }
 
 TEST_F(Detect, contacts_are_written_to_csv_and_json) {
     summary("five.off --contacts --output p.csv -o p.json");
-    EXPECT_TRUE(contains(read("p.csv"), "0,3,point,1,0,0,0,"));
-    EXPECT_EQ(nlohmann::json::parse(read("p.json"))["contacts"][0].dump(),
-              R"({"kind":"segment","points":[[1,1,0],[2,2,0]]})");
+    for (const char* row :
+         {"\n0,1,segment,2,1,1,0,2,2,0,", "\n0,3,point,1,0,0,0,", "\n2,4,area,3,10,0,0,14,0,0,11,3,0,"})
+        EXPECT_TRUE(contains(read("p.csv"), row)) << row;
+    EXPECT_EQ(nlohmann::json::parse(read("p.json"))["contacts"].dump(),
+              R"([{"kind":"segment","points":[[1,1,0],[2,2,0]]},{"kind":"point","points":[[0,0,0]]},)"
+              R"({"kind":"area","points":[[10,0,0],[14,0,0],[11,3,0]]}])");
 }
 
 TEST_F(Detect, coloured_meshes_are_written) {
@@ -203,7 +210,7 @@ TEST_F(Detect, written_list_gives_a_summary_of_one_line) {
     EXPECT_FALSE(contains(crumple("detect one.off -o p.txt --stats").err, "1 pair,"));
 }
 
-TEST_F(Detect, html_page_shows_collisions_and_contacts) {
+TEST_F(Detect, html_page_has_pair_count_and_entries_for_meshes_and_contacts) {
     summary("five.off two.off --contacts -o p.html");
     const std::string page = read("p.html");
     EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));

@@ -34,6 +34,7 @@ TEST_F(Impacts, impacts_are_written_in_every_format) {
     EXPECT_EQ(json["edges"].size(), 6u);
     EXPECT_EQ(json["earliest"]["toi"], 0.5);
     EXPECT_TRUE(contains(read("a.npz"), "vertex_face_toi.npy"));
+    EXPECT_EQ(crumple("verify --impacts above.off below.off a.npz").status, 0);
     EXPECT_TRUE(contains(read("a.glb"), "shade 5"));
     EXPECT_EQ(crumple("impacts above.off below.off -o - --format csv").out, read("a.csv"));
     EXPECT_EQ(crumple("impacts above.off below.off -o - --format glb").out, read("a.glb"));
@@ -49,6 +50,10 @@ TEST_F(Impacts, first_lists_only_the_earliest_impact) {
     EXPECT_TRUE(list("impacts start.off end.off").starts_with("vf 3 0 0.5 0\nvf 9 2 0.75 0\n"));
     EXPECT_EQ(list("impacts start.off end.off --first"), impact);
     EXPECT_EQ(list("impacts start.off start.off --first"), "");
+    // From a greater height, triangle 1 touches triangle 0 later than triangle 3 touches triangle 2.
+    write("high.off", "OFF\n12 4 0\n0 0 0\n4 0 0\n0 4 0\n1 1 7\n2 1 8\n1 2 8\n" + more);
+    EXPECT_TRUE(list("impacts high.off end.off").starts_with("vf 3 0 0.875 0\n"));
+    EXPECT_EQ(list("impacts high.off end.off --first"), "vf 9 2 0.75 0\n");
     const Outcome outcome = crumple("impacts start.off end.off --first -o a.json");
     EXPECT_TRUE(outcome.err.starts_with("the first impact is at 0.5, ")) << outcome.err;
     EXPECT_EQ(nlohmann::json::parse(read("a.json"))["vertex_faces"].size(), 1u);
@@ -115,6 +120,9 @@ TEST_F(Impacts, weld_merges_only_vertices_equal_at_both_times) {
     const std::string apart = list("impacts start.off end.off");
     EXPECT_TRUE(apart.starts_with("vf 0 1 0 1\nvf 3 0 0 1\n")) << apart;
     EXPECT_EQ(list("impacts start.off end.off --weld"), apart);
+    const std::string back = list("impacts end.off start.off");
+    EXPECT_TRUE(back.starts_with("vf 0 1 1 0\nvf 3 0 1 0\n")) << back;
+    EXPECT_EQ(list("impacts end.off start.off --weld"), back);
     EXPECT_NE(list("impacts start.off start.off"), "");
     EXPECT_EQ(list("impacts start.off start.off --weld"), "") << "now the corner is one vertex";
 }

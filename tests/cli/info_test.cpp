@@ -98,6 +98,14 @@ TEST_F(Info, open_edges_option_lists_all_open_edges) {
               R"({"points":[[1.0,1.0,0.0],[1.0,1.0,1.0]],"triangle":7,"vertices":[3,7]})");
     EXPECT_FALSE(nlohmann::json::parse(crumple("info a.off --json").out)["bodies"][0].contains("list_of_open_edges"));
     EXPECT_EQ(crumple("info a.off --open-edges --check").status, 1);
+    write("open.off", cube_with("2 0 1"));  // without the last one
+    EXPECT_TRUE(contains(crumple("info open.off --open-edges").out,
+                         "\nlist of open edges    3\n"
+                         "                      3-5, from (1 1 0) to (1 0 1), of triangle 10\n"
+                         "                      3-7, from (1 1 0) to (1 1 1), of triangle 7\n"
+                         "                      5-7, from (1 0 1) to (1 1 1), of triangle 3\n"
+                         "holes                 1\n"))
+        << crumple("info open.off --open-edges").out;
 }
 
 TEST_F(Info, json_has_the_properties_of_a_body) {

@@ -36,6 +36,7 @@ TEST_F(Make, last_frame_is_written_by_default) {
 TEST_F(Make, all_frames_writes_one_file_per_frame) {
     EXPECT_EQ(crumple("make cutting --triangles 300 --all-frames -o c.ply").status, 0);
     EXPECT_LT(io::read_mesh(file("c000.ply")).triangle_count(), io::read_mesh(file("c119.ply")).triangle_count());
+    for (int i = 0; i < 120; ++i) EXPECT_TRUE(fs::exists(file("c" + std::to_string(1000 + i).substr(1) + ".ply"))) << i;
     EXPECT_FALSE(fs::exists(file("c.ply")));
     EXPECT_FALSE(fs::exists(file("c120.ply")));
     crumple("make cutting --triangles 300 --frame 60 -o one.ply");

@@ -48,6 +48,7 @@ TEST_F(Near, pairs_are_written_in_every_format) {
     EXPECT_EQ(read("a.csv"), "kind,vertex,face,a,b,c,d,squared_distance,touching\nvf,3,0,,,,,1,0\n");
     EXPECT_EQ(nlohmann::json::parse(read("a.json"))["vertex_face_squared_distance"], nlohmann::json::parse("[1]"));
     EXPECT_TRUE(contains(read("a.npz"), "vertex_face_squared_distance.npy"));
+    EXPECT_EQ(crumple("verify --radius 1 above.off a.npz").status, 0);
     EXPECT_TRUE(contains(read("a.glb"), "shade 8"));
     EXPECT_TRUE(crumple("near above.off --radius 0 -o a.txt").err.starts_with("nothing is near: 2 triangles, "));
 }
@@ -129,6 +130,11 @@ TEST_F(Near, pairs_of_features_within_the_given_rings_are_excluded) {
     EXPECT_EQ(list("near square.off --radius 1 --rings 0"), list("near square.off --radius 1"));
     EXPECT_EQ(list("near square.off --radius 1 --rings 1"), "");
     EXPECT_EQ(list("near above.off --radius 1 --rings 5"), closest) << "no edge leads there";
+    // Edge 4-5 is 1 above edge 0-1. Every path between their triangles goes through edge 1-3 or 2-3.
+    write("bent.off", "OFF\n6 3 0\n0 0 0\n0 1 0\n5 0 0\n5 1 1\n0 0 1\n0 1 1\n3 0 1 2\n3 2 1 3\n3 3 4 5\n");
+    EXPECT_EQ(list("near bent.off --radius 1 --rings 1"),
+              "vf 0 2 1\nvf 4 0 1\nvf 5 0 1\nee 0 1 4 5 1\nee 0 2 4 5 1\nee 1 2 4 5 1\n");
+    EXPECT_EQ(list("near bent.off --radius 1 --rings 2"), "");
     expect_refused("near above.off --radius 1 --rings -1", "-1 is not an integer from 0 to 2147483647");
 }
 

@@ -332,11 +332,13 @@ TEST_F(Ranks, ranks_fail_like_one_process) {
     EXPECT_EQ(ranks(2, "detect five.off --memory-limit 1000").status, 3);
 }
 
-TEST_F(Ranks, failure_keeps_old_files_and_no_temporary_ones) {
+TEST_F(Ranks, failure_before_writing_keeps_old_files_and_leaves_no_temporary_ones) {
     write("old.txt", "as it was\n");
     EXPECT_EQ(ranks(2, "detect missing.ply -o old.txt").status, 2);
     EXPECT_EQ(read("old.txt"), "as it was\n");
     EXPECT_EQ(ranks(2, "impacts five.off missing.ply -o old.txt").status, 2);
+    EXPECT_EQ(read("old.txt"), "as it was\n");
+    EXPECT_EQ(ranks(2, "detect five.off --memory-limit 1000 -o old.txt").status, 3);
     EXPECT_EQ(read("old.txt"), "as it was\n");
     EXPECT_EQ(ranks(2, "detect five.off -o old.txt -o nowhere/b.txt").status, 2);
     for (const auto& entry : fs::directory_iterator(file("."))) EXPECT_NE(entry.path().extension(), ".tmp");

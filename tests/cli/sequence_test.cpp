@@ -176,10 +176,12 @@ TEST_F(Sequence, rows_before_a_bad_frame_are_printed) {
 }
 
 TEST_F(Sequence, times_have_no_digits_beyond_the_microsecond) {
-    for (const auto& row : nlohmann::json::parse(crumple("sequence --json a.off a.off").out)) {
-        const std::string time = row["milliseconds"].dump();
-        EXPECT_LE(time.size() - std::min(time.find('.'), time.size()), 4u) << time;
-    }
+    for (const auto& row : nlohmann::json::parse(crumple("sequence --json a.off a.off").out))
+        for (const char* key : {"milliseconds", "bounds", "subdivide", "align", "sort", "sweep", "narrow", "output"}) {
+            ASSERT_TRUE(row.contains(key)) << key;
+            const std::string time = row[key].dump();
+            EXPECT_LE(time.size() - std::min(time.find('.'), time.size()), 4u) << key << ' ' << time;
+        }
 }
 
 TEST_F(Sequence, ctrl_c_keeps_finished_rows) {

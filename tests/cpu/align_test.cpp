@@ -82,9 +82,10 @@ TEST(EdgeMoment, edges_along_the_first_axis_do_not_turn_the_frame) {
 }
 
 TEST(LeafFrame, frame_aligns_with_perpendicular_edges_of_rotated_triangles) {
-    // Long triangles with right angles in a plane that is longest along x, turned by some angle about x.
+    // Long triangles with right angles, turned by some angle about x. They spread along x, and less in a direction that
+    // slants to their edges, so that principal components alone do not give a frame along the edges.
     const double angle = 0.6, c = std::cos(angle), s = std::sin(angle);
-    const Vec3d across{0, c, s}, upright{0, -s, c};
+    const Vec3d across{0, c, s}, upright{0, -s, c}, slanted = 0.8 * across + 0.6 * upright;
     std::mt19937 engine(8);
     const auto number = [&] { return static_cast<double>(engine()) * 0x1p-32; };
     constexpr int n = 300;
@@ -93,7 +94,7 @@ TEST(LeafFrame, frame_aligns_with_perpendicular_edges_of_rotated_triangles) {
     Array<Ball> balls;
     LeafMembers members(nullptr);
     for (int t = 0; t < n; ++t) {
-        const Vec3d p = Vec3d{0.9 * number(), 0.3, 0.3} + 0.3 * number() * across;
+        const Vec3d p = Vec3d{0.9 * number(), 0.3, 0.3} + 0.3 * number() * slanted;
         const Vec3d corner[3] = {p, p + 0.1 * across, p + 0.002 * upright};
         for (const Vec3d& q : corner) {
             corners.push_back(static_cast<std::int32_t>(points.size() / 4));

@@ -82,13 +82,12 @@ test::Soup<float> needles() {
     return soup;
 }
 
-TEST(Executor, one_large_leaf_is_split_without_nested_loops) {
+TEST(Executor, one_large_leaf_gives_the_same_bytes_without_nested_loops) {
     const auto soup = needles();
     Detector own({.backend = Backend::cpu, .threads = 1, .clusters = 1, .leaf_size = 100000});
     const Intersections expected = own.find(soup.view());
     ASSERT_GT(expected.statistics.interval_tests, 5'000'000) << "enough for tiles";
-    // Executor that records the largest number of tasks of a loop. If tiles were not tasks, the worker (thread) of a
-    // leaf would sweep it alone, and that number would be small.
+    // Executor that records the largest number of tasks of a loop.
     struct Counting : test::Threads {
         Counting() : Threads(3) {}
         void parallel_for(std::size_t n, test::Loop task) override {

@@ -116,7 +116,7 @@ TEST(CudaDeviceFeatures, proximities_match_the_cpu_for_radii_and_rest_shape_on_t
 }
 
 // The graph of launches is reused from frame to frame, but must read the arrays that each launch passes.
-TEST(CudaDeviceFeatures, each_launch_reads_its_own_arrays) {
+TEST(CudaDeviceFeatures, each_launch_reads_its_own_radii_and_rest_shape) {
     const MovingSoup<float> soup = falling(400, 80);
     const DeviceStep<float> on_device(soup);
     const std::size_t n = soup.start.size();

@@ -130,13 +130,17 @@ TEST(CudaDevice, parts_equal_those_of_the_cpu) {
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t k = 0; k < found.size(); ++k) {
             EXPECT_EQ(found[k].index, expected[k].index);
+            EXPECT_EQ(found[k].count, expected[k].count);
             EXPECT_TRUE(same(found[k].mesh, expected[k].mesh));
             EXPECT_EQ(found[k].second.has_value(), expected[k].second.has_value());
             if (expected[k].second) {
                 EXPECT_TRUE(same(*found[k].second, *expected[k].second));
             }
-            for (std::size_t l = 0; l < expected[k].levels.size(); ++l)
+            ASSERT_EQ(found[k].levels.size(), expected[k].levels.size());
+            for (std::size_t l = 0; l < expected[k].levels.size(); ++l) {
+                EXPECT_EQ(found[k].levels[l].cluster, expected[k].levels[l].cluster);
                 EXPECT_EQ(found[k].levels[l].masks, expected[k].levels[l].masks);
+            }
         }
     };
     for (const int count : {1, 3, 64, 100}) {

@@ -112,8 +112,9 @@ TEST_F(CudaMachineDeviceWorlds, memory_limit_error_of_a_launch_names_no_more_tha
         } catch (const Error& error) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
-            sufficient_limit({.backend = Backend::cuda, .memory_limit = limit},
-                             [&](Detector& enough) { EXPECT_TRUE(launch_matches(enough)); });
+            sufficient_limit(
+                {.backend = Backend::cuda, .memory_limit = limit},
+                [&](Detector& enough) { EXPECT_TRUE(launch_matches(enough)); }, 4);
             break;
         }
     }

@@ -85,7 +85,7 @@ TEST_F(Devices, impacts_and_proximities_match_the_cpu) {
     }
 }
 
-TEST_F(Devices, two_meshes_rings_worlds_and_memory_limits_match_the_cpu) {
+TEST_F(Devices, two_meshes_rings_a_world_and_an_ample_memory_limit_match_the_cpu) {
     Detector several(some({1, 0})), one({.backend = Backend::cpu});
     const WholeMesh sheet(wavy_sheet<float>(10)), soup(random_soup<float>(80, 0.3));
     EXPECT_TRUE(same_result(several.find({sheet.view(), soup.view()}), one.find({sheet.view(), soup.view()})));

@@ -110,8 +110,9 @@ TEST_F(CudaMachineFeatures, memory_limit_error_of_a_launch_names_no_more_than_it
         } catch (const Error& error) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
-            sufficient_limit({.backend = Backend::cuda, .memory_limit = limit},
-                             [&](Detector& enough) { run(enough, on_device_); });
+            sufficient_limit(
+                {.backend = Backend::cuda, .memory_limit = limit}, [&](Detector& enough) { run(enough, on_device_); },
+                4);
             break;
         }
     }

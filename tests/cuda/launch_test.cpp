@@ -372,7 +372,7 @@ TEST(CudaLaunch, growing_results_of_frames_in_flight_match_the_cpu) {
 
 // All passes of a detector use the same lists. So a pass begins only after all earlier passes have ended, on any
 // stream; the same is true of operations that move the lists, and of repeated passes.
-TEST(CudaLaunch, launches_on_different_streams_do_not_overlap) {
+TEST(CudaLaunch, launches_on_two_streams_end_in_order_and_list_changes_wait_for_them) {
     constexpr int n = 1500;
     const Soup<float> sparse = random_soup(n, 1e-3), dense = random_soup(n, 0.6, 2), more = random_soup(2 * n, 1e-3);
     DeviceMesh first(sparse.view());

@@ -103,6 +103,11 @@ TEST(FeaturePairs, strided_float32_points_are_read) {
     const PairImpacts found = pair_impacts(FeatureKind::vertex_face, odd, view(end)),
                       expected = pair_impacts(FeatureKind::vertex_face, view(start), view(end));
     for (std::size_t i = 0; i < expected.toi.size(); ++i) ASSERT_EQ(found.toi[i], expected.toi[i]) << "pair " << i;
+    const PairDistances near = pair_distances(FeatureKind::vertex_face, odd),
+                        expected_near = pair_distances(FeatureKind::vertex_face, view(start));
+    ASSERT_EQ(near.squared_distance.size(), 300u);
+    for (std::size_t i = 0; i < 300; ++i)
+        ASSERT_EQ(near.squared_distance[i], expected_near.squared_distance[i]) << "pair " << i;
 }
 
 TEST(FeaturePairs, wrong_arguments_are_named_in_errors) {

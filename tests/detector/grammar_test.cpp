@@ -94,9 +94,12 @@ TEST_P(ScenesAndQueries, two_meshes_give_the_results_of_two_bodies) {
         EXPECT_TRUE(same_bytes(impacts.lists[k].toi, expected.lists[k].toi, "toi"));
     }
     EXPECT_EQ(detector_.find({moving, b}, FirstImpactQuery()), expected.first);
-    const Candidates candidates = detector_.find({a, b}, CandidateQuery{.inflation = 0.01});
-    EXPECT_EQ(candidates.count, other_.find(bodies.world(), CandidateQuery{.inflation = 0.01}).count);
+    const Candidates candidates = detector_.find({a, b}, CandidateQuery{.inflation = 0.01}),
+                     of_bodies = other_.find(bodies.world(), CandidateQuery{.inflation = 0.01});
+    EXPECT_EQ(candidates.count, of_bodies.count);
     EXPECT_TRUE(candidates.any);
+    for (std::size_t k = 0; k < candidate_kinds; ++k)
+        EXPECT_TRUE(same_bytes(candidates.lists[k].pairs, of_bodies.lists[k].pairs, "candidates"));
     const Distances distances = detector_.find({a, b}, DistanceQuery());
     EXPECT_EQ(distances.count, 1);
     EXPECT_TRUE(same_bytes(distances.squared_distance, other_.find(bodies.world(), DistanceQuery()).squared_distance,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -90,6 +91,7 @@ TEST(OrderedBlocks, cancellation_ends_a_wait_for_an_earlier_unit) {
         piece->assign(100, 1);
         EXPECT_THROW(blocks.add(1, std::move(piece)), Error) << "unit 0 never ends";
     });
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // until the other thread waits
     stop.request_stop();
     late.join();
 }

@@ -42,6 +42,8 @@ class NearestAgreement : public testing::TestWithParam<int> {
             if (shape.name != 0) shape.name += 1000 * (seed + 1);
         const Distances& found = detector_.find(world->view(), query);
         ASSERT_TRUE(same_nearest(found, reference_.find(world->view(), query)));
+        ASSERT_EQ(found.any, !found.bodies.empty());
+        ASSERT_EQ(found.count, static_cast<std::int64_t>(found.bodies.size()));
         rows_ += found.bodies.size();
         for (const std::uint8_t touches : found.touching) touching_ += touches;
         query.output = Output::nearest;

@@ -52,6 +52,8 @@ TEST_P(DistancesOfEachBackend, distance_triangles_and_points_are_reported) {
     EXPECT_EQ(found.points[0][1][2], 3);
     EXPECT_EQ(found.points[0][0][0], found.points[0][1][0]);
     EXPECT_EQ(found.points[0][0][1], found.points[0][1][1]);
+    EXPECT_TRUE(found.points[0][0][0] >= 0.25 && found.points[0][0][0] <= 1) << "where both squares are";
+    EXPECT_TRUE(found.points[0][0][1] >= 0.5 && found.points[0][0][1] <= 1) << "where both squares are";
     EXPECT_EQ(found.statistics.pairs, 1);
 }
 TEST_P(DistancesOfEachBackend, touching_bodies_have_distance_zero) {

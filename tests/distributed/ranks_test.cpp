@@ -350,19 +350,30 @@ TEST(Ranks, pairs_match_a_single_detector_after_triangles_groups_or_precision_ch
 }
 
 TEST(Ranks, float64_on_one_rank_and_float32_on_others_match_a_single_detector) {
-    const Soup<float> narrow = wavy_sheet<float>(16);
-    WholeMesh mesh(narrow), wide = mesh;
-    wide.vertices = std::vector<double>(std::get<0>(mesh.vertices).begin(), std::get<0>(mesh.vertices).end());
-    const Intersections expected = result_of_one(wide, {.output = Output::contacts});
-    RankFailures verdicts;
-    run_ranks(3, [&](Transport& transport) {
-        const int rank = transport.rank();
-        const MeshPiece piece(rank == 1 ? wide : mesh, Distribution::random, rank, 3);
-        RankDetector detector(transport, one_thread());
-        verdicts.add(rank, rows_are(detector.find(piece.share(), IntersectionQuery{.output = Output::contacts}),
-                                    piece.triangle_ids, expected));
-    });
-    EXPECT_TRUE(verdicts.all());
+    // The sheet has vertices on several ranks. The soup has none, and the coordinates of rank 1 are no float32 numbers.
+    WholeMesh sheet(wavy_sheet<float>(16));
+    sheet.vertices = std::vector<double>(std::get<0>(sheet.vertices).begin(), std::get<0>(sheet.vertices).end());
+    Soup<double> soup = random_soup<double>(300, 0.2);
+    for (std::int64_t t = 0; t < 300; ++t)
+        if (rank_of_triangle(Distribution::random, t, 300, 3) != 1)
+            for (const std::int32_t v : soup.triangles[static_cast<std::size_t>(t)])
+                for (double& x : soup.vertices[static_cast<std::size_t>(v)]) x = static_cast<float>(x);
+    for (const WholeMesh& wide : {sheet, WholeMesh(soup)}) {
+        WholeMesh mesh = wide;
+        std::vector<float> rounded;
+        for (const double x : std::get<1>(wide.vertices)) rounded.push_back(static_cast<float>(x));
+        mesh.vertices = rounded;
+        const Intersections expected = result_of_one(wide, {.output = Output::contacts});
+        RankFailures verdicts;
+        run_ranks(3, [&](Transport& transport) {
+            const int rank = transport.rank();
+            const MeshPiece piece(rank == 1 ? wide : mesh, Distribution::random, rank, 3);
+            RankDetector detector(transport, one_thread());
+            verdicts.add(rank, rows_are(detector.find(piece.share(), IntersectionQuery{.output = Output::contacts}),
+                                        piece.triangle_ids, expected));
+        });
+        EXPECT_TRUE(verdicts.all());
+    }
 }
 
 }  // namespace

@@ -92,8 +92,13 @@ TEST_P(CodimensionalFeatures, nearby_points_are_reported_as_vertex_vertex_pairs)
 }
 
 TEST_P(CodimensionalFeatures, vertices_in_no_triangle_edge_or_point_list_have_no_pairs) {
-    const MovingSoup<> soup = points_on_a_line(4);
+    MovingSoup<> soup = points_on_a_line(4);
     EXPECT_EQ(near(soup).count, 0);
+    soup.edges = {{0, 1}};
+    EXPECT_EQ(near(soup).count, 0) << "neither with each other nor with the edge";
+    soup.edges.reset();
+    soup.triangles = {{0, 1, 2}};
+    EXPECT_EQ(near(soup).count, 0) << "nor with the triangle";
 }
 
 TEST_P(CodimensionalFeatures, point_listed_twice_gives_two_rows) {

@@ -258,11 +258,13 @@ TEST(FeatureCalls, swap_result_moves_the_result_without_copying) {
     const Impacts& impacts = detector.find(soup.view().moving_to(soup.end_view()), ImpactQuery{.index = true});
     const Proximities& nearby = detector.find(soup.view(), ProximityQuery{.radius = 1, .index = true});
     const Pair* const storage = impacts.vertex_faces().pairs.data();
+    const Pair* const storage_of_near = nearby.vertex_faces().pairs.data();
     Impacts taken;
     Proximities near;
     detector.swap_result(taken);
     detector.swap_result(near);
     EXPECT_EQ(taken.vertex_faces().pairs.data(), storage) << "nothing is copied";
+    EXPECT_EQ(near.vertex_faces().pairs.data(), storage_of_near) << "nothing is copied";
     EXPECT_FALSE(impacts.any || impacts.first.found || impacts.count || !impacts.edge_edges().pairs.empty());
     EXPECT_FALSE(nearby.any || nearby.count || !nearby.edge_edges().pairs.empty());
     Impacts spare;

@@ -253,9 +253,9 @@ TEST(FeatureFilterRejection, nearly_translating_features_that_are_never_coplanar
         }
 }
 
-// At one end of the step the vertex is above the centre of the face, and the direction between their centres at that
-// time separates them throughout. The direction between their centres at the other end does not.
-TEST(FeatureFilterRejection, vertex_and_face_apart_along_their_start_or_end_centre_line_are_rejected) {
+// At one end of the step the vertex is above the centre of the face. The direction between their centres at that time
+// is the face's normal, which separates them throughout. The direction between their centres at the other end does not.
+TEST(FeatureFilterRejection, moving_vertex_apart_along_the_normal_of_a_static_face_is_rejected) {
     const Vec3d n = normal();
     FeatureCase c = stacked(FeatureKind::vertex_face, 0.02);
     c.moments = 2;

@@ -88,6 +88,11 @@ TEST_P(ProximityQueries, index_lists_vertex_face_pairs_by_vertex_and_by_face) {
     EXPECT_EQ(list(faces.offsets), (std::vector<std::int64_t>{0, 0, 0, 0, 1, 2, 3}));
     EXPECT_EQ(list(faces.second_offsets), (std::vector<std::int64_t>{0, 3, 3}));
     EXPECT_EQ(list(faces.by_second), (std::vector<std::int64_t>{0, 1, 2}));
+    // Vertices 0, 1, 2 pair with face 1, and 3, 4, 5 with face 0.
+    const ProximityList& all = detector.find(two.mesh, ProximityQuery{.radius = 100, .index = true}).vertex_faces();
+    EXPECT_EQ(list(all.offsets), (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6}));
+    EXPECT_EQ(list(all.second_offsets), (std::vector<std::int64_t>{0, 3, 6}));
+    EXPECT_EQ(list(all.by_second), (std::vector<std::int64_t>{3, 4, 5, 0, 1, 2}));
 }
 
 INSTANTIATE_TEST_SUITE_P(, ProximityQueries, testing::Values(Backend::reference, Backend::cpu),

@@ -204,6 +204,9 @@ TEST(FeaturePart, offsets_and_least_distances_have_a_row_per_vertex_of_the_part)
             ASSERT_EQ(found.vertex_distance.size(), features.vertices.size());
             ASSERT_EQ(found.edge_distance.size(), features.edges.size());
             ASSERT_EQ(found.vertex_faces().offsets.size(), features.vertices.size() + 1);
+            EXPECT_EQ(found.vertex_faces().offsets.front(), 0);
+            EXPECT_EQ(found.vertex_faces().offsets.back(),
+                      static_cast<std::int64_t>(found.vertex_faces().pairs.size()));
             for (std::size_t v = 0; v < features.vertices.size(); ++v) {
                 double& of = least[static_cast<std::size_t>(features.vertices[v])];
                 of = std::min(of, found.vertex_distance[v]);

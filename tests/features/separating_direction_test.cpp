@@ -226,13 +226,13 @@ TEST(TrianglesApart, triangles_separated_by_a_start_or_end_normal_are_dropped) {
     }
 }
 
-// One triangle turns about the x axis by a quarter turn during the step, so that only directions at one end of the step
-// separate the triangles.
-TEST(TrianglesApart, triangles_separated_by_a_start_or_end_direction_are_dropped) {
+// One triangle tilts about the x axis by an eighth of a turn during the step. The normal of the other one separates the
+// triangles throughout.
+TEST(TrianglesApart, triangles_that_stay_apart_while_one_tilts_are_dropped) {
     TriangleCase c{2, {}, {0.05, 0}};
     for (std::size_t k = 0; k < 3; ++k) {
         const double x = k == 0 ? 0.6 : -0.3, y = k == 1 ? 0.6 : -0.3;
-        // A lies flat at the start and stands at the end, at y = 0 and below z = 0.1; B is a slab above all that.
+        // A lies flat at the start and is tilted at the end, below z = 0.1; B stays above all that.
         c.corner[k] = {{x, y, 0}, {x, 0.1 * y, 0.1 * y}};
         c.corner[3 + k] = {{0.5 * x + 0.4, 0.5 * y, 0.3}, {x, y, 0.31}};
     }

@@ -248,10 +248,12 @@ void expect_to_end(const BothCalls<Result>& calls, Detector& detector) {
     EXPECT_THROW(calls.blocks(detector, refuse, 50), std::runtime_error);
     EXPECT_EQ(blocks, 3);
     std::stop_source stop;
-    const auto request_stop = [&](const Result&) { stop.request_stop(); };
+    int before_stop = 0;
+    const auto request_stop = [&](const Result&) { ++before_stop, stop.request_stop(); };
     const auto stopped = [&] { calls.blocks(detector, request_stop, 50, stop.get_token()); };
     EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled);
     EXPECT_EQ(error_of(stopped).code, ErrorCode::cancelled) << "before it begins";
+    EXPECT_EQ(before_stop, 1) << "no block follows a stop request";
     expect_blocks<Result>(calls, expected, detector, 1000);
     EXPECT_EQ(calls.find(detector).count, expected.count);
 }

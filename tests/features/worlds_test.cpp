@@ -363,13 +363,22 @@ class FeaturesOfWorlds : public testing::TestWithParam<unsigned> {
         EXPECT_TRUE(same_features(detector.find(with_radii, query), expected));
     }
 
+    // Expects each world with rows to have an entry in an array per world.
+    static void expect_entries(std::size_t size, const std::map<std::int64_t, Line>& first) {
+        for (const auto& [world, line] : first) {
+            if (world == in_all_worlds) continue;
+            EXPECT_LT(world, static_cast<std::int64_t>(size));
+        }
+    }
     static void expect_hits(const Array<std::uint8_t>& hits, const std::vector<Line>& lines) {
         const auto first = first_by_world(lines);
+        expect_entries(hits.size(), first);
         for (std::size_t w = 0; w < hits.size(); ++w)
             EXPECT_EQ(hits[w] != 0, first.count(static_cast<std::int64_t>(w)) > 0) << "world " << w;
     }
     static void expect_firsts(const Impacts& impacts, const std::vector<Line>& lines) {
         const auto first = first_by_world(lines);
+        expect_entries(impacts.world_first.size(), first);
         for (std::size_t w = 0; w < impacts.world_first.size(); ++w) {
             const auto at = first.find(static_cast<std::int64_t>(w));
             expect_first(impacts.world_first[w], at == first.end() ? nullptr : &at->second);

@@ -163,12 +163,14 @@ TEST(Predicates, scaled_integers_below_40_bits_are_decided_in_integers) {
 
 TEST(Predicates, filters_decide_nearly_all_random_points) {
     RandomPairs random(Kind::random_float, 13);
-    int decided = 0;
+    int sides = 0, turns = 0;
     for (int i = 0; i < 10'000; ++i) {
         const Vec3d a = random.point(), b = random.point(), c = random.point(), d = random.point();
-        decided += orient3d_filtered(a, b, c, d) != undecided;
+        sides += orient3d_filtered(a, b, c, d) != undecided;
+        turns += orient2d_filtered(a, b, c, i % 3) != undecided;
     }
-    EXPECT_GT(decided, 9'990);
+    EXPECT_GT(sides, 9'990);
+    EXPECT_GT(turns, 9'990);
 }
 
 }  // namespace

@@ -198,9 +198,12 @@ TEST(FilteredMinDistance, is_undecided_for_nan_and_infinity) {
     RandomMoves random(Lattice::wide, 73);
     for (const Feature feature : all_features) {
         for (const double x : {infinity, -infinity, std::numeric_limits<double>::quiet_NaN()}) {
-            MinDistanceMove query = separated(random, Lattice::wide, feature);
-            query.move.point[static_cast<std::size_t>(random.below(2))].end.y = x;
-            EXPECT_EQ(quickly(query).verdict, Certainty::unknown) << query;
+            for (std::size_t i = 0; i < 6 * points_of(feature); ++i) {
+                MinDistanceMove query = separated(random, Lattice::wide, feature);
+                MovingPoint& p = query.move.point[i / 6];
+                (i % 2 == 0 ? p.start : p.end)[static_cast<int>(i / 2 % 3)] = x;
+                EXPECT_EQ(quickly(query).verdict, Certainty::unknown) << query;
+            }
         }
     }
 }

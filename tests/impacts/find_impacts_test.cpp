@@ -47,23 +47,27 @@ TEST_P(ImpactQueries, vertex_face_pair_and_time_of_impact_are_reported) {
 }
 
 TEST_P(ImpactQueries, first_impact_is_reported_or_none_if_the_step_is_free) {
-    const Falling scene;
+    Falling scene;
+    scene.end[4] = {2, 1, -6};  // reaches the other triangle at t = 1/4, before vertex 3
     const MeshView mesh(scene.start, scene.triangles);
+    EXPECT_EQ(detector.find(mesh.moving_to(view(scene.end)), ImpactQuery()).vertex_faces().pairs.size(), 2);
     const FirstImpact first = detector.find(mesh.moving_to(view(scene.end)), FirstImpactQuery());
     EXPECT_TRUE(first.found);
-    EXPECT_EQ(first.toi, 0.5);
+    EXPECT_EQ(first.toi, 0.25);
     EXPECT_EQ(first.kind, FeatureKind::vertex_face);
+    EXPECT_EQ(first.pair, (Pair{4, 0}));
     EXPECT_TRUE(detector.any(mesh.moving_to(view(scene.end)), ImpactQuery()));
     EXPECT_FALSE(detector.any(mesh.moving_to(view(scene.start)), ImpactQuery()));
     EXPECT_FALSE(detector.find(mesh.moving_to(view(scene.start)), FirstImpactQuery()).found);
 }
 
 TEST_P(ImpactQueries, free_step_ends_before_the_first_contact) {
-    const Falling scene;
+    Falling scene;
+    scene.end[4] = {2, 1, -6};  // reaches the other triangle at t = 1/4, before vertex 3
     const MeshView mesh(scene.start, scene.triangles);
     const FreeStep step = detector.find(mesh.moving_to(view(scene.end)), FreeStepQuery());
-    EXPECT_EQ(step.share, 0.5 * (1 - 0x1p-16));
-    EXPECT_EQ(step.positions[3 * 3 + 2], 0x1p-16);
+    EXPECT_EQ(step.share, 0.25 * (1 - 0x1p-16));
+    EXPECT_EQ(step.positions[3 * 4 + 2], 0x1p-15);
     EXPECT_FALSE(detector.any(mesh.moving_to({step.positions.data(), 6, 24, 8, ScalarType::float64}), ImpactQuery()));
 
     const FreeStep whole = detector.find(mesh.moving_to(view(scene.start)), FreeStepQuery());

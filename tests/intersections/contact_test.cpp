@@ -92,6 +92,7 @@ TEST(Contact, needs_rationals_for_areas_but_not_for_segments_in_general_position
 // the third one orders them.
 TEST(Contact, segments_parallel_to_an_axis_match_rational_arithmetic) {
     RandomPairs random(Kind::random, 43);
+    int segments = 0;
     for (int i = 0; i < 6'000; ++i) {
         const int axis = i % 3;
         const auto wall = [&] {
@@ -103,7 +104,9 @@ TEST(Contact, segments_parallel_to_an_axis_match_rational_arithmetic) {
         TrianglePair pair{wall(), wall()};
         pair.b.vertex = {3, 4, 5};
         ASSERT_NO_FATAL_FAILURE(expect_rational_contact(pair));
+        segments += contact(pair.a, pair.b).count == 2;
     }
+    EXPECT_GT(segments, 50);
 }
 
 // Uses crossings at the middle between two float64 numbers, and so close to it that double words cannot decide.
@@ -131,12 +134,14 @@ TEST(Contact, negative_zero_becomes_positive) {
     const Triangle floor{{Vec3d{-4, -4, -0.0}, {4, -4, -0.0}, {0, 4, -0.0}}, {3, 4, 5}};
     const Contact found = contact(upright, floor);
     ASSERT_EQ(found.count, 2);
-    for (int i = 0; i < 2; ++i) {
-        EXPECT_FALSE(std::signbit(found.points[static_cast<std::size_t>(i)].x));
-        EXPECT_FALSE(std::signbit(found.points[static_cast<std::size_t>(i)].z));
+    for (const Vec3d& p : points_of(found)) {
+        for (int axis = 0; axis < 3; ++axis) EXPECT_FALSE(std::signbit(p[axis])) << "axis " << axis;
     }
     expect_rational_contact({upright, floor});
-    const Triangle corner{{Vec3d{-0.0, -0.0, -0.0}, {1, 0, 2}, {0, 1, 2}}, {3, 4, 5}};
+    const Triangle corner{{Vec3d{-0.0, -0.0, -0.0}, {1, 0, 2}, {0, 1, 2}}, {0, 1, 2}};
+    const Contact at_corner = contact(corner, floor);
+    ASSERT_EQ(at_corner.count, 1);
+    for (int axis = 0; axis < 3; ++axis) EXPECT_FALSE(std::signbit(at_corner.points[0][axis])) << "axis " << axis;
     expect_rational_contact({corner, floor});
 }
 

@@ -34,7 +34,7 @@ Triangle triangle_of(const io::TriangleMesh& mesh, std::int32_t t) {
 
 class Soups : public testing::TestWithParam<std::array<const char*, 2>> {};
 
-TEST_P(Soups, intersections_match_ground_truth) {
+TEST_P(Soups, decisions_and_numbers_of_points_match_ground_truth) {
     const auto folder = io::test::data_folder();
     if (!folder) GTEST_SKIP() << "no scenes: set CRUMPLE_DATA";
     const auto [soup, result_file] = GetParam();

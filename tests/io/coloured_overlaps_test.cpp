@@ -112,7 +112,12 @@ TEST(ColouredOverlaps, coloured_overlap_follows_a_pose_that_moves_and_mirrors) {
     bodies.world.bodies.push_back({"mirrored", 0, {}});
     bodies.world.bodies[1].pose.rows = {-1, 0, 0, 3, 0, 1, 0, 0.5, 0, 0, 1, 0.5};  // (1, 0.5, 0.5) to (3, 2.5, 2.5)
     bodies.search(false);
-    EXPECT_NEAR(area_of(bodies.ply()), 2 * (1 * 1.5 + 1 * 1.5 + 1.5 * 1.5), 1e-12);
+    const TriangleMesh ply = bodies.ply();  // surface of the box (1, 0.5, 0.5) to (2, 2, 2)
+    EXPECT_NEAR(area_of(ply), 2 * (1 * 1.5 + 1 * 1.5 + 1.5 * 1.5), 1e-12);
+    for (std::size_t i = 0; i < ply.triangles.size(); ++i) {
+        const Vec3d p = corner(ply, i), middle{1.5, 1.25, 1.25}, half{0.5, 0.75, 0.75};
+        for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(p[axis] - middle[axis]), half[axis] + 1e-12) << i;
+    }
 }
 
 TEST(ColouredOverlaps, overlap_with_an_open_body_is_not_coloured) {

@@ -251,15 +251,23 @@ TriangleMesh three_triangles() {
             {0, 1, 2, 0, 2, 3, 4, 5, 6}};
 }
 
-/// Returns the number of triangles of each material in the only mesh.
-std::map<std::string, std::int64_t> triangles_of(const std::string& glb) {
+using Corners = std::vector<std::uint32_t>;
+
+/// Returns the corners of the triangles of each material in the only mesh.
+std::map<std::string, Corners> triangles_of(const std::string& glb) {
     const auto length = load<std::uint32_t>(glb.data() + 12, std::endian::little);
     const auto description = nlohmann::json::parse(glb.substr(20, length));
-    std::map<std::string, std::int64_t> result;
+    const char* const binary = glb.data() + 20 + length + 8;
+    std::map<std::string, Corners> result;
     for (const auto& primitive : description["meshes"][0]["primitives"]) {
         const auto& indices = description["accessors"][primitive["indices"].get<std::size_t>()];
         const auto& material = description["materials"][primitive["material"].get<std::size_t>()];
-        result[material["name"]] = indices["count"].get<std::int64_t>() / 3;
+        const auto& view = description["bufferViews"][indices["bufferView"].get<std::size_t>()];
+        const char* const first =
+            binary + view.value("byteOffset", std::size_t{0}) + indices.value("byteOffset", std::size_t{0});
+        Corners& corners = result[material["name"]];
+        for (std::size_t i = 0; i < indices["count"].get<std::size_t>(); ++i)
+            corners.push_back(load<std::uint32_t>(first + 4 * i, std::endian::little));
     }
     return result;
 }
@@ -274,17 +282,17 @@ TEST(FeatureLists, impacts_colour_the_triangles_they_hit) {
         write_coloured(out, three_triangles(), impacts);
         return triangles_of(out.str());
     };
-    EXPECT_EQ(colours(), (std::map<std::string, std::int64_t>{{"free", 1}, {"shade 5", 2}}));
+    EXPECT_EQ(colours(), (std::map<std::string, Corners>{{"free", {0, 1, 2}}, {"shade 5", {0, 2, 3, 4, 5, 6}}}));
 
     impacts[FeatureKind::edge_edge].pairs = array<Pair>({{0, 1}});  // the first edge is of triangle 0
     impacts[FeatureKind::edge_edge].toi = array({0.0});
     impacts[FeatureKind::edge_edge].start = array<std::uint8_t>({1});
     impacts.edges = array<Edge>({{0, 1}, {4, 5}});
     impacts.first_edge = array<std::int64_t>({0, 2});
-    EXPECT_EQ(colours(), (std::map<std::string, std::int64_t>{{"shade 1", 2}, {"shade 5", 1}}));
+    EXPECT_EQ(colours(), (std::map<std::string, Corners>{{"shade 1", {0, 1, 2, 4, 5, 6}}, {"shade 5", {0, 2, 3}}}));
 
     impacts[FeatureKind::vertex_face].toi[0] = 1;
-    EXPECT_EQ(colours(), (std::map<std::string, std::int64_t>{{"shade 1", 2}, {"shade 8", 1}}));
+    EXPECT_EQ(colours(), (std::map<std::string, Corners>{{"shade 1", {0, 1, 2, 4, 5, 6}}, {"shade 8", {0, 2, 3}}}));
     impacts[FeatureKind::vertex_face].pairs[0].b = 3;
     EXPECT_EQ(error_of(colours).code, ErrorCode::invalid_argument) << "there is no such face";
 }
@@ -299,9 +307,10 @@ TEST(FeatureLists, near_pairs_shade_triangles_of_both_meshes_by_distance) {
     std::ostringstream out;
     write_coloured(out, mesh, &mesh, nearby);
     // Near pairs colour triangles 1 (distance 1) and 0 (distance 4) of the first mesh, and 2 (distance 1) of the
-    // second.
+    // second, whose vertices are numbered from 7 on.
     EXPECT_EQ(triangles_of(out.str()),
-              (std::map<std::string, std::int64_t>{{"free", 3}, {"shade 3", 2}, {"shade 8", 1}}));
+              (std::map<std::string, Corners>{
+                  {"free", {4, 5, 6, 7, 8, 9, 7, 9, 10}}, {"shade 3", {0, 2, 3, 11, 12, 13}}, {"shade 8", {0, 1, 2}}}));
     EXPECT_EQ(error_of([&] { write_coloured(out, mesh, nullptr, nearby); }).code, ErrorCode::invalid_argument);
     const Folder folder;
     EXPECT_EQ(error_of([&] { write_coloured(folder / "a.ply", mesh, &mesh, nearby); }).code,

@@ -190,6 +190,21 @@ TEST(Gltf, quantized_positions_are_read) {
     const WorldMesh world = read_scene(scene, {.precision = Precision::float64});
     EXPECT_EQ(coordinates(world.shapes[0]), (std::vector<double>{1, -1, -1, 3.0 / 32767, 0, 0, 0, 5.0 / 32767, 0}));
     EXPECT_EQ(coordinates(read_scene(scene).shapes[0])[3], static_cast<float>(3.0 / 32767));
+
+    const auto expect_read = [](auto most, int component_type) {
+        GltfScene other;
+        using T = decltype(most);
+        const int positions = other.add_accessor(std::vector<T>{most, 3, 0, 0, 1, 0, 0, 0, 1}, component_type, "VEC3");
+        other.add_body("a", other.add_mesh({{{"attributes", {{"POSITION", positions}}}}}));
+        const double large = most;
+        EXPECT_EQ(coordinates(read_scene(other).shapes[0]), (std::vector<double>{large, 3, 0, 0, 1, 0, 0, 0, 1}));
+        other.json["accessors"].at(static_cast<std::size_t>(positions))["normalized"] = true;
+        EXPECT_EQ(coordinates(read_scene(other, {.precision = Precision::float64}).shapes[0]),
+                  (std::vector<double>{1, 3 / large, 0, 0, 1 / large, 0, 0, 0, 1 / large}));
+    };
+    expect_read(std::int8_t{127}, 5120);
+    expect_read(std::uint8_t{255}, 5121);
+    expect_read(std::uint16_t{65535}, 5123);
 }
 
 TEST(Gltf, positions_can_be_interleaved_with_other_data) {
@@ -255,6 +270,11 @@ TEST(Gltf, mesh_holds_all_bodies_as_posed) {
     const TriangleMesh mesh = read_mesh(path), posed = posed_mesh(read_world(path));
     EXPECT_EQ(coordinates(mesh), coordinates(posed));
     EXPECT_EQ(mesh.triangles, posed.triangles);
+    std::vector<double> expected;
+    for (const auto& [x, y, z] :
+         std::vector<std::array<double, 3>>{{0, 0, 0}, {1, 0, 0}, {1.25, 0.125, 0.125}, {9, 9, 9}})
+        expected.insert(expected.end(), {x, y, z, x + 1, y, z, x, y + 1, z, x, y, z + 1});
+    EXPECT_EQ(coordinates(mesh), expected);
     EXPECT_TRUE(mesh.groups.empty());
     EXPECT_EQ(read_mesh(path, {.weld = Weld::no}).triangle_count(), mesh.triangle_count());
     EXPECT_EQ(error_of([&] { read_world(path, {.group_property = "part"}); }).code, ErrorCode::invalid_argument);

@@ -97,10 +97,12 @@ TEST(Unit, conversion_rounds_once) {
 }
 
 TEST(Unit, conversion_of_float32_rounds_to_float32) {
-    TriangleMesh mesh{std::vector<float>{0, 0, 0, 0.1f, 0, 0, 0, 1, 0}, {0, 1, 2}};
+    TriangleMesh mesh{std::vector<float>{0, 0, 0, 0.1f, 0, 0, 0, 4.7f, 0}, {0, 1, 2}};
     mesh.unit = Unit::inch;
     convert_unit(mesh, Unit::millimetre);
     EXPECT_EQ(std::get<0>(mesh.vertices)[3], static_cast<float>(double{0.1f} * 127 / 5));
+    // Truncation and float32 arithmetic would give 0x1.dd851cp+6.
+    EXPECT_EQ(std::get<0>(mesh.vertices)[7], 0x1.dd851ep+6f);
 }
 
 TEST(Unit, conversion_of_a_world_scales_shapes_and_translations) {
@@ -146,6 +148,13 @@ TEST(Unit, failed_conversion_changes_nothing) {
     expect_same(world.shapes[0], corner(Unit::metre));
     expect_same(world.shapes[1], corner(Unit::metre, 1e307));
     for (const TriangleMesh& shape : world.shapes) EXPECT_EQ(shape.unit, Unit::metre);
+    const Pose far{{1, 0, 0, 1e307, 0, 1, 0, 0, 0, 0, 1, 0}};
+    world.shapes[1] = corner(Unit::metre);
+    world.bodies = {{"near"}, {"far", 1, far}};
+    EXPECT_EQ(error_of([&] { convert_unit(world, Unit::micrometre); }).code, ErrorCode::invalid_argument);
+    EXPECT_EQ(world.unit, Unit::metre);
+    EXPECT_EQ(world.bodies[1].pose, far);
+    for (const TriangleMesh& shape : world.shapes) expect_same(shape, corner(Unit::metre));
 
     const Folder folder;
     Intersections free;

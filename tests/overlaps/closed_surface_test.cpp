@@ -48,6 +48,11 @@ TEST(ClosedSurface, tetrahedron_is_closed_only_with_all_faces) {
     EXPECT_EQ(edges[0].triangle, 0);
     EXPECT_EQ(edges[2].edge, (Edge{2, 3}));
     EXPECT_EQ(edges[2].triangle, 2);
+    for (std::ptrdiff_t face = 0; face < 4; ++face) {
+        std::vector<std::int32_t> others = tetrahedron(0);
+        others.erase(others.begin() + 3 * face, others.begin() + 3 * face + 3);
+        EXPECT_FALSE(Mesh(4, others).surface.closed()) << "without face " << face;
+    }
 }
 
 TEST(OpenEdges, open_edges_are_sorted_and_name_the_lowest_triangle) {
@@ -104,6 +109,9 @@ TEST(ClosedSurface, places_of_a_component_are_contiguous_and_omit_unused_vertice
     std::set<std::int32_t> places;
     for (const std::int32_t v : {1, 2, 3, 4}) places.insert(mesh.surface.place(v));
     EXPECT_EQ(places, (std::set<std::int32_t>{0, 1, 2, 3}));
+    places.clear();
+    for (const std::int32_t v : {6, 7, 8, 9}) places.insert(mesh.surface.place(v));
+    EXPECT_EQ(places, (std::set<std::int32_t>{4, 5, 6, 7}));
     EXPECT_EQ(mesh.surface.faces(0, 4).size(), 4u);
     EXPECT_EQ(mesh.surface.faces(0, 8).size(), 8u);
 }

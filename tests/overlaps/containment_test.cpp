@@ -154,6 +154,17 @@ TEST_P(Containment, inside_and_skipped_are_empty_unless_containment_is_requested
     const Intersections& found = detector_.find(bodies.view(), {.output = Output::body_pairs});
     EXPECT_TRUE(found.inside.empty());
     EXPECT_TRUE(found.skipped.empty());
+    const ContainedSoup outer = cube(0, 0, 0, 4), across = cube(2, 0, 0, 1);
+    const Intersections& meeting = detector_.find({outer.view(), across.view()}, {.output = Output::body_pairs});
+    EXPECT_EQ(meeting.bodies.size(), 1u);
+    EXPECT_TRUE(meeting.inside.empty());
+    ContainedSoup open = cube(0, 0, 0, 1);
+    open.triangles.pop_back();
+    const Scene scene(outer.view(), open.view());
+    EXPECT_EQ(detector_.find(scene, with_containment()).skipped.size(), 1u);
+    EXPECT_EQ(detector_.find(scene, with_containment()).inside.size(), 1u);
+    EXPECT_TRUE(detector_.find(scene, {.output = Output::body_pairs}).inside.empty());
+    EXPECT_TRUE(detector_.find(scene, {.output = Output::body_pairs}).skipped.empty());
 }
 
 /// Returns the soup with three vertices of its own for each triangle, as in an STL file.

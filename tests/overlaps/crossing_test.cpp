@@ -37,7 +37,7 @@ class CrossingOfEachKind : public testing::TestWithParam<Kind> {
 
 TEST_P(CrossingOfEachKind, signs_are_exact_and_error_bounds_hold_in_the_filters_range) {
     const FloatEnvironment environment;
-    int segments = 0;
+    int segments = 0, bounded = 0;
     for (int round = 0; round < rounds(); ++round) {
         const TrianglePair pair = random();
         if (!in_range(pair.a) || !in_range(pair.b)) continue;
@@ -53,19 +53,29 @@ TEST_P(CrossingOfEachKind, signs_are_exact_and_error_bounds_hold_in_the_filters_
                 EXPECT_TRUE(encloses(quick.a[k], exact.a[k])) << pair;
                 EXPECT_TRUE(encloses(quick.b[k], exact.b[k])) << pair;
             }
-            EXPECT_TRUE(encloses(quick.start_in_a.u, exact.start_in_a.u)) << pair;
-            EXPECT_TRUE(encloses(quick.end_in_b.v, exact.end_in_b.v)) << pair;
+            const auto expect_enclosed = [&](const PointInFace<Enclosed>& point,
+                                             const PointInFace<Rational>& true_point) {
+                EXPECT_TRUE(encloses(point.u, true_point.u)) << pair;
+                EXPECT_TRUE(encloses(point.v, true_point.v)) << pair;
+                bounded += std::isfinite(point.u.error) && std::isfinite(point.v.error);
+            };
+            expect_enclosed(quick.start_in_a, exact.start_in_a);
+            expect_enclosed(quick.end_in_a, exact.end_in_a);
+            expect_enclosed(quick.start_in_b, exact.start_in_b);
+            expect_enclosed(quick.end_in_b, exact.end_in_b);
         }
     }
     const bool has_range = GetParam() != Kind::huge && GetParam() != Kind::tiny && GetParam() != Kind::mixed;
     const bool has_insides = GetParam() < Kind::collapsed;
     if (has_range && has_insides) {
         EXPECT_GT(segments, 0);
+        EXPECT_GT(bounded, 0);
     }
 }
 
 TEST_P(CrossingOfEachKind, untied_pairs_cross_alike_under_both_shifts) {
     const FloatEnvironment environment;
+    int untied = 0;
     for (int round = 0; round < rounds() / 4; ++round) {
         const TrianglePair pair = random();
         if (!in_range(pair.a) || !in_range(pair.b)) continue;
@@ -76,6 +86,11 @@ TEST_P(CrossingOfEachKind, untied_pairs_cross_alike_under_both_shifts) {
         if (one.tied) continue;
         EXPECT_EQ(one.jumps.a, other.jumps.a) << pair;
         EXPECT_EQ(one.jumps.b, other.jumps.b) << pair;
+        EXPECT_EQ(one.jumps.segment, other.jumps.segment) << pair;
+        ++untied;
+    }
+    if (GetParam() == Kind::random) {
+        EXPECT_GT(untied, 0);
     }
 }
 

@@ -44,7 +44,7 @@ std::string failure_of(Work work) {
     return "no failure";
 }
 
-TEST(Ptx, arithmetic_rounds_as_the_instruction_says) {
+TEST(Ptx, sums_fma_and_conversion_to_float_round_as_the_instruction_says) {
     const auto sum = [](const std::string& rounding) {
         return run<double>("ld.param.f64 %fd1, [in0];\nld.param.f64 %fd2, [in1];\nadd." + rounding +
                                ".f64 %fd3, %fd1, %fd2;\nst.global.f64 [%rd0], %fd3;",
@@ -59,8 +59,9 @@ TEST(Ptx, arithmetic_rounds_as_the_instruction_says) {
         "fma.rn.f64 %fd3, %fd1, %fd1, %fd2;\nst.global.f64 [%rd0], %fd3;",
         1 + 0x1p-30);
     EXPECT_EQ(product, 0x1p-60);
-    EXPECT_EQ(run<float>("ld.param.f64 %fd1, [in0];\ncvt.rp.f32.f64 %f1, %fd1;\nst.global.f32 [%rd0], %f1;", 0.1),
-              std::nextafter(0.1f, 1.f) > 0.1 && 0.1f < 0.1 ? std::nextafter(0.1f, 1.f) : 0.1f);
+    EXPECT_EQ(
+        run<float>("ld.param.f64 %fd1, [in0];\ncvt.rp.f32.f64 %f1, %fd1;\nst.global.f32 [%rd0], %f1;", 1 + 0x1p-40),
+        std::nextafter(1.f, 2.f));
 }
 
 TEST(Ptx, ordered_comparisons_with_nan_fail_and_min_ignores_nan) {
@@ -71,15 +72,21 @@ TEST(Ptx, ordered_comparisons_with_nan_fail_and_min_ignores_nan) {
             load + "setp." + how + ".f64 %p1, %fd1, %fd2;\nselp.u32 %r1, 1, 0, %p1;\n" + "st.global.u32 [%rd0], %r1;",
             a, b);
     };
-    for (const char* ordered : {"eq", "ne", "lt", "le", "gt", "ge", "num"}) EXPECT_EQ(compare(ordered, nan, 1), 0u);
-    for (const char* unordered : {"equ", "neu", "ltu", "leu", "gtu", "geu", "nan"})
+    for (const char* ordered : {"eq", "ne", "lt", "le", "gt", "ge", "num"}) {
+        EXPECT_EQ(compare(ordered, nan, 1), 0u);
+        EXPECT_EQ(compare(ordered, 1, nan), 0u);
+    }
+    for (const char* unordered : {"equ", "neu", "ltu", "leu", "gtu", "geu", "nan"}) {
         EXPECT_EQ(compare(unordered, nan, 1), 1u);
+        EXPECT_EQ(compare(unordered, 1, nan), 1u);
+    }
     EXPECT_EQ(compare("lt", 1, 2), 1u);
     EXPECT_EQ(compare("gtu", 1, 2), 0u);
     const auto least = [&](double a, double b) {
         return run<double>(load + "min.f64 %fd3, %fd1, %fd2;\nst.global.f64 [%rd0], %fd3;", a, b);
     };
     EXPECT_EQ(least(nan, 3), 3);
+    EXPECT_EQ(least(3, nan), 3);
     EXPECT_TRUE(std::signbit(least(0., -0.)));
 }
 
@@ -185,7 +192,7 @@ $loop:
     EXPECT_EQ(out.one, 1);
 }
 
-TEST(Ptx, unknown_instructions_and_invalid_accesses_are_rejected) {
+TEST(Ptx, unknown_instructions_unaligned_and_null_accesses_are_rejected) {
     EXPECT_EQ(failure_of([] { run<float>("ex2.approx.f32 %f1, %f2;"); }),
               "unknown PTX instruction: ex2.approx.f32 %f1, %f2 (ex2.approx.f32)");
     EXPECT_EQ(failure_of([] { run<double>("ld.global.f32 %f1, [%rd0+2];"); }),

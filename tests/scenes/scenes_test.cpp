@@ -94,7 +94,7 @@ TEST_P(EveryScene, has_finite_vertices_and_valid_indices_even_for_one_triangle) 
     }
 }
 
-TEST_P(EveryScene, is_repeatable_and_changes_with_the_seed_if_random) {
+TEST_P(EveryScene, has_a_repeatable_frame_0_that_changes_with_the_seed_if_random) {
     const scenes::Parameters parameters{.triangles = 3000};
     EXPECT_EQ(fingerprint(make(GetParam().name, parameters)), fingerprint(make(GetParam().name, parameters)));
     const bool random = GetParam().name != "shells";

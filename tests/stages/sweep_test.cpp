@@ -53,7 +53,7 @@ TEST_P(Sweep, owner_leaf_lists_each_pair_with_a_common_point) {
     });
 }
 
-TEST_P(Sweep, few_pairs_of_disjoint_boxes_are_listed) {
+TEST_P(Sweep, few_pairs_whose_boxes_are_disjoint_along_y_or_z_are_listed) {
     run([](const StageCase&, const StageState& state) {
         std::size_t members = 0, candidates = 0, apart = 0;
         for (const LeafState& leaf : state.leaves) {

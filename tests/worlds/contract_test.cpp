@@ -82,11 +82,14 @@ TEST(World, rows_are_sorted_by_body_and_triangle_and_counted_by_world) {
     EXPECT_EQ(found.world_counts[0] + found.world_counts[2], found.count);
     EXPECT_EQ(found.world_offsets[3], found.count);
     EXPECT_EQ(found.body_offsets[4], found.count);
+    std::array<std::int64_t, 3> counted{};
     for (std::size_t i = 0; i < found.bodies.size(); ++i) {
         const BodyPair& pair = found.bodies[i];
+        ++counted[pair.first < 2 ? 0u : 2u];
         EXPECT_LT(pair.first, pair.second);
         EXPECT_TRUE((pair.first < 2 && pair.second != 2) || (pair.first == 2 && pair.second == 3));
     }
+    for (std::size_t world = 0; world < 3; ++world) EXPECT_EQ(found.world_counts[world], counted[world]);
     const auto listed = rows(found);
     EXPECT_TRUE(std::is_sorted(listed.begin(), listed.end()));
 }

@@ -95,7 +95,7 @@ __global__ void last_block_sums(int* parts, unsigned* arrived, int* total) {
     *total = sum;
 }
 
-TEST_F(Atomics, fences_on_both_sides_publish_writes_to_other_blocks) {
+TEST_F(Atomics, last_block_sums_the_parts_of_all_blocks) {
     const Array<int> parts(100), total(1);
     const Array<unsigned> arrived(std::vector<unsigned>{0});
     launch(last_block_sums, 100, 32, 0, parts.data(), arrived.data(), total.data());
