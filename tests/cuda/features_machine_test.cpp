@@ -100,7 +100,7 @@ TEST_F(CudaMachineFeatures, failed_allocation_or_launch_gives_result_or_device_e
     }
 }
 
-TEST_F(CudaMachineFeatures, memory_limit_error_of_a_launch_names_no_more_than_it_needs) {
+TEST_F(CudaMachineFeatures, memory_limit_errors_of_launches_lead_to_a_sufficient_limit) {
     std::int64_t limit = 1 << 25;
     int results = 0;
     for (;; limit = limit * 2 / 3, ++results) {
@@ -110,9 +110,8 @@ TEST_F(CudaMachineFeatures, memory_limit_error_of_a_launch_names_no_more_than_it
         } catch (const Error& error) {
             ASSERT_EQ(error.code, ErrorCode::memory_limit);
             EXPECT_GT(error.bytes_needed, limit);
-            sufficient_limit(
-                {.backend = Backend::cuda, .memory_limit = limit}, [&](Detector& enough) { run(enough, on_device_); },
-                4);
+            sufficient_limit({.backend = Backend::cuda, .memory_limit = limit},
+                             [&](Detector& enough) { run(enough, on_device_); });
             break;
         }
     }

@@ -40,11 +40,11 @@ double objective(const std::vector<Vec3f>& points, const Centres& centres, doubl
     return q;
 }
 
-/// Returns two centres that start in the same blob.
-Centres centres_in_one_blob(const std::vector<Vec3f>& points) {
+/// Returns two centres that start between the blobs, on the side of the same one.
+Centres centres_beside_one_blob() {
     Centres centres{.count = 2};
-    centres.set(0, points[0]);
-    centres.set(1, points[1]);
+    centres.set(0, {0.3f, 0, 0});
+    centres.set(1, {0.2f, 0.1f, 0});
     return centres;
 }
 
@@ -52,7 +52,7 @@ TEST(FuzzyCMeans, centres_find_two_separate_blobs) {
     const auto points = two_blobs();
     const auto point = [&](std::size_t i) { return points[i]; };
     for (const double t : {2.0, 1.5, 3.0}) {
-        Centres centres = centres_in_one_blob(points);
+        Centres centres = centres_beside_one_blob();
         fuzzy_c_means(points.size(), point, {.fuzziness = t, .iterations = 50, .stop = 1e-6}, centres);
         EXPECT_NEAR(std::max(centres[0].x, centres[1].x), 0.8, 0.01) << "t = " << t;
         EXPECT_NEAR(std::min(centres[0].x, centres[1].x), -0.8, 0.01) << "t = " << t;
@@ -82,7 +82,7 @@ TEST(FuzzyCMeans, no_iteration_raises_the_objective_beyond_rounding) {
 TEST(FuzzyCMeans, iterations_end_early_once_centres_hardly_move) {
     const auto points = two_blobs();
     const auto point = [&](std::size_t i) { return points[i]; };
-    Centres centres = centres_in_one_blob(points);
+    Centres centres = centres_beside_one_blob();
     const int first = fuzzy_c_means(points.size(), point, {.iterations = 100, .stop = 1e-4}, centres);
     EXPECT_GT(first, 2);
     EXPECT_LT(first, 100);
