@@ -1,7 +1,7 @@
 #pragma once
 
-// Lower bound on the distance of two objects, one of each of two bodies: boxes in the frames of the bodies, under their
-// poses, or posed triangles.
+// Lower bound on the distance of two objects of different bodies. An object is a posed triangle, or a box in its body's
+// frame under the body's pose.
 //
 // Objects are projected to eight directions. Seven are those of separating_boxes.h: the columns of both poses, which
 // are the axes of the boxes, and the line through the middles of both shapes. The caller gives the eighth: the line

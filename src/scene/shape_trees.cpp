@@ -14,9 +14,9 @@ const ShapeTree& ShapeTrees::named(const Shape& shape, std::size_t s, TreeElemen
     const Size size{shape.vertices.rows, shape.triangles.rows, count(shape.edges), count(shape.points),
                     shape.vertices.type};
     const Key key{shape.name, lists};
+    check_unchanged(shape.name, s, size);
     if (const auto cached = named_.find(key); cached != named_.end()) {
         Named& named = *cached->second;
-        if (named.size != size) fail_changed(shape.name, s, named.size);
         named.used = calls_;
         return named.tree;
     }
@@ -28,9 +28,7 @@ const ShapeTree& ShapeTrees::named(const Shape& shape, std::size_t s, TreeElemen
 }
 
 const Array<Edge>& ShapeTrees::edges(const Shape& shape) {
-    auto cached = named_.find({shape.name, true});
-    if (cached == named_.end()) cached = named_.find({shape.name, false});
-    Array<Edge>& edges = cached->second->edges;
+    Array<Edge>& edges = named_.find({shape.name, shape.edges || shape.points})->second->edges;
     if (edges.empty()) find_edges(shape, edges);
     return edges;
 }
@@ -50,15 +48,25 @@ void ShapeTrees::find_edges(const Shape& shape, Array<Edge>& edges) {
     edges.resize(static_cast<std::size_t>(std::unique(edges.begin(), edges.end()) - edges.begin()));
 }
 
-void ShapeTrees::fail_changed(std::uint64_t name, std::size_t s, const Size& had) {
-    std::string sizes = std::to_string(had.vertices) + (had.type == ScalarType::float32 ? " float32" : " float64") +
-                        " vertices and " + std::to_string(had.triangles) + " triangles";
-    if (had.edges > 0) sizes += " and " + std::to_string(had.edges) + " edges";
-    if (had.points > 0) sizes += " and " + std::to_string(had.points) + " points";
-    throw Error(ErrorCode::invalid_argument,
-                "shape " + std::to_string(s) + ": an earlier shape with the name " + std::to_string(name) + " had " +
-                    sizes + "; a changed shape needs another name",
-                Element::shape, static_cast<std::int64_t>(s));
+// Throws Error if a shape with this name, with or without its lists, had another size.
+void ShapeTrees::check_unchanged(std::uint64_t name, std::size_t s, const Size& size) const {
+    for (const bool lists : {false, true}) {
+        const auto cached = named_.find({name, lists});
+        if (cached == named_.end()) continue;
+        const Size& had = cached->second->size;
+        const bool same_lists =
+            !lists || (size.edges == 0 && size.points == 0) || (had.edges == size.edges && had.points == size.points);
+        if (had.vertices == size.vertices && had.triangles == size.triangles && had.type == size.type && same_lists)
+            continue;
+        std::string sizes = std::to_string(had.vertices) + (had.type == ScalarType::float32 ? " float32" : " float64") +
+                            " vertices and " + std::to_string(had.triangles) + " triangles";
+        if (had.edges > 0) sizes += " and " + std::to_string(had.edges) + " edges";
+        if (had.points > 0) sizes += " and " + std::to_string(had.points) + " points";
+        throw Error(ErrorCode::invalid_argument,
+                    "shape " + std::to_string(s) + ": an earlier shape with the name " + std::to_string(name) +
+                        " had " + sizes + "; a changed shape needs another name",
+                    Element::shape, static_cast<std::int64_t>(s));
+    }
 }
 
 void ShapeTrees::build(ShapeTree& tree, const Shape& shape, std::size_t s, TreeElements elements) {

@@ -25,8 +25,8 @@ class ShapeTrees {
     /// elements or another precision, or if the shape is invalid.
     const ShapeTree& named(const Shape& shape, std::size_t s, TreeElements elements = TreeElements::triangles);
 
-    /// Returns the edges of a named shape's triangles, each once and sorted, as in results. Its tree must be cached.
-    /// Valid as long as the tree.
+    /// Returns the edges of a named shape's triangles, each once and sorted, as in results. Its tree of all elements
+    /// must be cached. Valid as long as this tree.
     const Array<Edge>& edges(const Shape& shape);
 
     /// Builds the tree of any shape. If the memory limit is exceeded, evicts named shapes that this call does not use,
@@ -41,7 +41,6 @@ class ShapeTrees {
     struct Size {
         std::int64_t vertices = 0, triangles = 0, edges = 0, points = 0;
         ScalarType type{};
-        bool operator==(const Size&) const = default;
     };
     struct Named {
         explicit Named(MemoryMeter* m) : tree(m), edges(m) {}
@@ -53,7 +52,7 @@ class ShapeTrees {
     /// Name of a shape; true for a tree of all elements of a shape that has edges or points.
     using Key = std::pair<std::uint64_t, bool>;
 
-    [[noreturn]] static void fail_changed(std::uint64_t name, std::size_t s, const Size& had);
+    void check_unchanged(std::uint64_t name, std::size_t s, const Size& size) const;
     static void find_edges(const Shape& shape, Array<Edge>& edges);
     bool drop_oldest();
 

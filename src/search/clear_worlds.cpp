@@ -22,12 +22,21 @@ std::int32_t first_complete(const Shape& s) {
     return s.edges ? static_cast<std::int32_t>(s.triangles.rows) : 0;
 }
 
+// True if numbers of this type reach all coordinates of the box, so that no vertex in it can be posed to infinity.
+bool is_within(const Bounds& box, ScalarType type) {
+    const double most =
+        type == ScalarType::float32 ? double{std::numeric_limits<float>::max()} : std::numeric_limits<double>::max();
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(box.low[axis] >= -most && box.high[axis] <= most)) return false;
+    return true;
+}
+
 }  // namespace
 
 void ClearWorlds::release() {
     forget();
-    bodies_ = {};
-    decided_ = {};
+    bodies_ = std::vector<NearBody>();
+    decided_ = std::vector<Decided>();
     walks_.clear();
     near_ = NearBodies(&meter_);
 }
@@ -54,8 +63,9 @@ void ClearWorlds::read(const WorldOutline& outline, const BodyFilter& rules, boo
         const NearBody& body = bodies_[static_cast<std::size_t>(b)];
         if (body.tree->empty()) return no_bounds;
         const Bounds box = bounds(body);
-        finite = finite && all_finite(box.low) && all_finite(box.high);
-        return box;
+        if (is_within(box, outline.shape(b).vertices.type)) return box;
+        finite = false;
+        return no_bounds;
     });
     is_read_ = finite;
 }
@@ -79,16 +89,14 @@ bool ClearWorlds::may_meet(std::int32_t a, std::int32_t b) const {
 
 // Marks groups of the two bodies that may be near each other. Returns true if features of the bodies are certainly
 // near.
-bool ClearWorlds::mark(Walk& walk, std::int32_t a, std::int32_t b, std::vector<Mark>& marks) const {
+bool ClearWorlds::mark(Walk& walk, std::int32_t a, std::int32_t b) const {
     const NearBody &at_a = bodies_[static_cast<std::size_t>(a)], &at_b = bodies_[static_cast<std::size_t>(b)];
     if (step_)
-        walk.near.near_in_step(at_a, at_b, distance_, walk.groups);
-    else if (walk.near.near(at_a, at_b, distance_, walk.groups))
+        walk.near.near_in_step(at_a, at_b, distance_);
+    else if (walk.near.near(at_a, at_b, distance_))
         return true;
-    for (const NearWalk::Groups& pair : walk.groups) {
-        marks.push_back({a, pair.a});
-        marks.push_back({b, pair.b});
-    }
+    for (const std::int32_t group : walk.near.marked_a()) walk.marks.push_back({a, group});
+    for (const std::int32_t group : walk.near.marked_b()) walk.marks.push_back({b, group});
     return false;
 }
 
@@ -104,32 +112,33 @@ void ClearWorlds::decide(Walk& walk, std::int32_t pass, Decided& decided) const 
     decided.verdict = Verdict::search;
     decided.marks.clear();
     if (selects_pairs_within(pass)) return;
+    std::vector<Mark>& marks = walk.marks;
+    marks.clear();
     bool is_hit = false;
     near_.for_each_pair(pass, [&](std::int32_t a, std::int32_t b) {
-        if (may_meet(a, b) && !tree(a).empty() && !tree(b).empty()) is_hit = mark(walk, a, b, decided.marks);
-        return !is_hit && (subsets_ || decided.marks.empty());
+        if (may_meet(a, b) && !tree(a).empty() && !tree(b).empty()) is_hit = mark(walk, a, b);
+        return !is_hit && (subsets_ || marks.empty());
     });
-    std::vector<Mark>& marks = decided.marks;
     if (!is_hit && marks.empty()) decided.verdict = Verdict::clear;
     if (is_hit && subsets_) decided.verdict = Verdict::hit;
-    if (is_hit || !subsets_) marks.clear();
+    if (is_hit || !subsets_) return;
     std::sort(marks.begin(), marks.end());
-    marks.erase(std::unique(marks.begin(), marks.end()), marks.end());
+    decided.marks.assign(marks.begin(), std::unique(marks.begin(), marks.end()));
 }
 
-void ClearWorlds::decide(ParallelFor& workers, bool any) {
-    constexpr std::int32_t worlds_of_task = 16;  // each takes some microseconds
+void ClearWorlds::decide(ParallelFor& workers, std::int32_t begin, std::int32_t end, bool any) {
+    constexpr std::int32_t worlds_of_task = 4;  // each takes some microseconds
     any_hit_ = false;
     if (!is_read_) return;
-    const std::int32_t count = outline_->worlds() + 1;
-    decided_.resize(static_cast<std::size_t>(count));
+    first_ = begin;
+    decided_.resize(static_cast<std::size_t>(end - begin));
     const auto make = [&] { return std::make_unique<Walk>(cancellation_, &meter_); };
     const auto run = [&](std::size_t task) {
         walks_.with(make, [&](Walk& walk) {
-            const std::int32_t begin = static_cast<std::int32_t>(task) * worlds_of_task;
-            for (std::int32_t pass = begin; pass < std::min(count, begin + worlds_of_task); ++pass) {
+            const std::int32_t first = begin + static_cast<std::int32_t>(task) * worlds_of_task;
+            for (std::int32_t pass = first; pass < std::min(end, first + worlds_of_task); ++pass) {
                 cancellation_.check();
-                Decided& decided = decided_[static_cast<std::size_t>(pass)];
+                Decided& decided = decided_[static_cast<std::size_t>(pass - begin)];
                 if (any && any_hit_) {
                     decided.verdict = Verdict::search;
                     decided.marks.clear();
@@ -140,7 +149,7 @@ void ClearWorlds::decide(ParallelFor& workers, bool any) {
             }
         });
     };
-    const auto tasks = static_cast<std::size_t>((count + worlds_of_task - 1) / worlds_of_task);
+    const auto tasks = static_cast<std::size_t>((end - begin + worlds_of_task - 1) / worlds_of_task);
     if (tasks > 1)
         workers.parallel_for(tasks, run);
     else

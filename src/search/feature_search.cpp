@@ -114,10 +114,19 @@ void FeatureSearch::search(BackendBase& backend, const World& world, const Query
         search_in_place(backend, query, result);
     } else {
         read_clear_worlds(backend, query);
-        clear_.decide(backend, is_any_output(query));
+        // Worlds are decided in batches: with Output::any, because a hit in the first ones makes the others
+        // unnecessary; else, because marks take memory.
+        constexpr std::int32_t most_at_once = 512;
+        const bool any = is_any_output(query);
+        std::int32_t decided = 0, batch = any ? 1 : most_at_once;
         for (std::int32_t pass = 0; pass <= outline_.worlds(); ++pass) {
             cancellation_.check();
-            if (is_any_output(query) && (clear_.any_hit() || result.any)) {
+            if (pass == decided) {
+                decided += std::min(batch, outline_.worlds() + 1 - decided);
+                batch = std::min(most_at_once, 4 * batch);
+                clear_.decide(backend, pass, decided, any);
+            }
+            if (any && (clear_.any_hit() || result.any)) {
                 result.any = true;
                 break;
             }
@@ -241,13 +250,18 @@ void FeatureSearch::add_marked(std::int32_t pass, std::span<const ClearWorlds::M
     }
 }
 
-// True if the marked groups can be searched without the other triangles of their bodies. This is not so with welding,
-// which depends on the positions of all vertices, nor if shapes have groups: a vertex or an edge then is in the group
-// of the triangle that owns it, which may be one of the others.
+// True if the marked groups can be searched without the other elements of their bodies. This is not so with welding,
+// which depends on the positions of all vertices; nor if shapes have groups: a vertex or an edge then is in the group
+// of the triangle that owns it, which may be one of the others; nor for approaching features of shapes with lists: a
+// listed edge or point that belongs to a triangle has no test with a vertex, but would have one without that triangle.
 template <class Query>
 bool FeatureSearch::parts_suffice(const Query& query) const {
+    bool allows_lists = true;
+    if constexpr (is_motion<Query>) allows_lists = !query.approaching_only;
     const auto& shapes = outline_.world().shapes;
-    return !query.weld && std::all_of(shapes.begin(), shapes.end(), [](const Shape& s) { return s.groups.empty(); });
+    return !query.weld && std::all_of(shapes.begin(), shapes.end(), [&](const Shape& s) {
+        return s.groups.empty() && (allows_lists || (!s.edges && !s.points));
+    });
 }
 
 template <class Query>

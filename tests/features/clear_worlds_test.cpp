@@ -46,7 +46,11 @@ struct Moving {
         if (dice.chance(0.5)) {
             std::vector<Edge>& list = edges.emplace_back();
             for (int i = dice.below(n); i > 0; --i) {
-                const std::int32_t a = dice.below(n), b = dice.below(n);
+                const auto* corners = static_cast<const std::int32_t*>(shape.triangles.data);
+                const int side = 3 * dice.below(static_cast<int>(shape.triangles.rows));
+                const bool of_triangle = dice.chance(0.5);
+                const std::int32_t a = of_triangle ? corners[side] : dice.below(n),
+                                   b = of_triangle ? corners[side + 1] : dice.below(n);
                 if (a != b) list.push_back({a, b});
             }
             shape.edges = list;
@@ -96,6 +100,10 @@ TEST(ClearWorlds, results_about_hit_and_clear_worlds_match_brute_force) {
         ProximityQuery welded{.radius = 0.2};
         welded.weld = true;
         ASSERT_NO_FATAL_FAILURE(expect_same(detector, brute, moving.view(), welded, hits, clear));
+        for (const double distance : {0.0, 0.5})
+            ASSERT_NO_FATAL_FAILURE(expect_same(detector, brute, moving.view(),
+                                                ImpactQuery{.min_distance = distance, .approaching_only = true}, hits,
+                                                clear));
         ImpactQuery filtered{.min_distance = 0.5, .triangle_pairs = true};
         filtered.filter.bodies = PairScope::between;
         filtered.filter.excluded_bodies = {{0, 1}, {2, 5}};
@@ -103,6 +111,52 @@ TEST(ClearWorlds, results_about_hit_and_clear_worlds_match_brute_force) {
     }
     EXPECT_GT(hits, 50u);
     EXPECT_GT(clear, 50u);
+}
+
+TEST(ClearWorlds, results_about_700_worlds_on_two_threads_match_brute_force) {
+    Detector detector({.backend = Backend::cpu, .threads = 2}), brute({.backend = Backend::reference});
+    std::size_t hits = 0, clear = 0;
+    for (const unsigned seed : {4u, 8u}) {
+        SCOPED_TRACE(seed);
+        const Moving moving(
+            seed, {.bodies = 1400, .worlds = 700, .triangles = 3, .named = 1, .everywhere = 0.002, .reach = 1});
+        ASSERT_NO_FATAL_FAILURE(
+            expect_same(detector, brute, moving.view(), ProximityQuery{.radius = 0.05}, hits, clear));
+        ASSERT_NO_FATAL_FAILURE(
+            expect_same(detector, brute, moving.view(), ImpactQuery{.min_distance = 0.05}, hits, clear));
+    }
+    EXPECT_GT(hits, 50u);
+    EXPECT_GT(clear, 50u);
+}
+
+TEST(ClearWorlds, shape_of_another_size_under_a_used_name_is_an_error_with_or_without_lists) {
+    const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const std::vector<std::array<std::int32_t, 3>> one{{0, 1, 2}}, two{{0, 1, 2}, {1, 2, 0}};
+    const std::vector<std::int32_t> points{0, 1};
+    Detector detector;
+    const auto find = [&](const std::vector<std::array<std::int32_t, 3>>& triangles, bool lists) {
+        std::vector<Shape> shapes{Shape{MeshView(vertices, triangles), 7}, Shape{MeshView(vertices, one), 8}};
+        if (lists) shapes[0].points = points;
+        const std::vector<Body> bodies{{.shape = 0}, {.shape = 1}};
+        std::vector<Pose> poses(2);
+        poses[1].rows[11] = 9;
+        return detector.find(World{shapes, bodies, poses}, ProximityQuery{.radius = 1}).edges.size();
+    };
+    EXPECT_EQ(find(one, true), 6u);
+    EXPECT_EQ(find(one, false), 6u);
+    EXPECT_THROW(find(two, false), Error);
+    EXPECT_EQ(find(one, false), 6u);
+    EXPECT_THROW(find(two, true), Error);
+}
+
+TEST(ClearWorlds, vertex_posed_beyond_float32_is_an_error) {
+    const std::vector<std::array<float, 3>> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}};
+    const std::vector<Shape> shapes{Shape{MeshView(vertices, triangles), 7}};
+    const std::vector<Body> bodies(2);
+    std::vector<Pose> poses(2);
+    poses[1].rows[3] = 1e39;
+    EXPECT_THROW(Detector().any(World{shapes, bodies, poses}, ProximityQuery{.radius = 1}), Error);
 }
 
 TEST(ClearWorlds, trees_decide_most_worlds) {
@@ -121,7 +175,7 @@ TEST(ClearWorlds, trees_decide_most_worlds) {
         ClearWorlds worlds(meter, cancellation, trees);
         worlds.read(outline, filter, false, 0.7, true);
         ParallelFor one_thread;
-        worlds.decide(one_thread, false);
+        worlds.decide(one_thread, 0, outline.worlds() + 1, false);
         for (std::int32_t w = 0; w < outline.worlds(); ++w) ++counts[static_cast<std::size_t>(worlds.verdict(w))];
     }
     EXPECT_GT(counts[static_cast<std::size_t>(Verdict::clear)], 10);
@@ -143,7 +197,7 @@ TEST(ClearWorlds, release_frees_all_memory) {
     const std::int64_t before = meter.used;
     worlds.read(outline, filter, false, 1, true);
     ParallelFor one_thread;
-    worlds.decide(one_thread, false);
+    worlds.decide(one_thread, 0, outline.worlds() + 1, false);
     trees.release();
     EXPECT_GT(meter.used, before);
     worlds.release();

@@ -55,7 +55,7 @@ class TriangleGap {
 class FilteredNearest {
    public:
     /// `gap` must be that of these triangles. Stops as soon as they are certainly farther apart than `enough`; then
-    /// lower() exceeds `enough`, and all other results are undefined.
+    /// lower() exceeds `enough`, direction() proves it, and all other results are undefined.
     FilteredNearest(const TrianglePoints& a, const TrianglePoints& b, const TriangleGap& gap,
                     double enough = std::numeric_limits<double>::infinity()) {
         if (!(gap.size() <= detail::largest_size / 4)) return;

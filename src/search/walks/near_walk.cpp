@@ -4,35 +4,41 @@
 
 namespace crumple {
 
-void NearWalk::begin(const NearBody& a, const NearBody& b, double distance, std::vector<Groups>& groups) {
+void NearWalk::begin(const NearBody& a, const NearBody& b, double distance) {
     a_.begin(*a.tree, a.step);
     b_.begin(*b.tree, b.step);
     first_complete_a_ = a.first_complete;
     first_complete_b_ = b.first_complete;
     distance_ = distance;
     direction_ = {};
-    groups_ = &groups;
-    groups.clear();
+    marked_a_.groups.clear();
+    marked_b_.groups.clear();
 }
 
-bool NearWalk::near(const NearBody& a, const NearBody& b, double distance, std::vector<Groups>& groups) {
-    begin(a, b, distance, groups);
+bool NearWalk::walk_from_roots() {
+    const At root_a = at(a_, 0), root_b = at(b_, 0);
+    if (gap(root_a.reach, root_b.reach) > limit_) return false;
+    marked_a_.begin(a_.tree->groups());
+    marked_b_.begin(b_.tree->groups());
+    return walk(root_a, root_b);
+}
+
+bool NearWalk::near(const NearBody& a, const NearBody& b, double distance) {
+    begin(a, b, distance);
     set_directions({}, distance);
-    const At root_a = at(a_, 0), root_b = at(b_, 0);
-    return !(gap(root_a.reach, root_b.reach) > limit_) && walk(root_a, root_b);
+    return walk_from_roots();
 }
 
-void NearWalk::near_in_step(const NearBody& a, const NearBody& b, double distance, std::vector<Groups>& groups) {
-    begin(a, b, distance, groups);
+void NearWalk::near_in_step(const NearBody& a, const NearBody& b, double distance) {
+    begin(a, b, distance);
     set_directions_of_step(distance);
-    const At root_a = at(a_, 0), root_b = at(b_, 0);
-    if (!(gap(root_a.reach, root_b.reach) > limit_)) walk(root_a, root_b);
+    walk_from_roots();
 }
 
 // Visits two nodes that may be near each other. Of the two children, the closer one comes first. Returns true if two
 // features are certainly near.
 bool NearWalk::walk(const At& a, const At& b) {
-    if (is_leaf(a_, a) && is_leaf(b_, b)) return visit({a_.tree->node(a.node).group, b_.tree->node(b.node).group});
+    if (is_leaf(a_, a) && is_leaf(b_, b)) return visit(a_.tree->node(a.node).group, b_.tree->node(b.node).group);
     const bool split_a = first_is_split(a, b);
     const auto half = halves(split_a ? a_ : b_, (split_a ? a : b).node);
     const At& other = split_a ? b : a;
@@ -43,9 +49,13 @@ bool NearWalk::walk(const At& a, const At& b) {
     return false;
 }
 
-bool NearWalk::visit(const Groups& pair) {
+bool NearWalk::visit(std::int32_t group_a, std::int32_t group_b) {
     poll();
-    const PosedLeaf &a = posed(a_, pair.a), &b = posed(b_, pair.b);
+    const auto is_marked = [](const Marked& marked, std::int32_t group) {
+        return marked.has[static_cast<std::size_t>(group)] != 0;
+    };
+    if (is_step_ && is_marked(marked_a_, group_a) && is_marked(marked_b_, group_b)) return false;
+    const PosedLeaf &a = posed(a_, group_a), &b = posed(b_, group_b);
     bool is_near = false, may_be_near = false;
     for_each_close_pair(a, b, [&](std::size_t i, std::size_t j) {
         if (is_near) return;
@@ -65,7 +75,10 @@ bool NearWalk::visit(const Groups& pair) {
         is_near = complete && nearest.upper() < distance_;
         may_be_near = true;
     });
-    if (may_be_near && !is_near) groups_->push_back(pair);
+    if (may_be_near && !is_near) {
+        marked_a_.add(group_a);
+        marked_b_.add(group_b);
+    }
     return is_near;
 }
 

@@ -16,8 +16,9 @@ namespace crumple {
 struct NearBody {
     const ShapeTree* tree;
     BoxDistance::Step step;
-    /// Elements numbered from here on are complete: all of their vertices and edges are features of the shape. A shape
-    /// that lists its points or edges has other features than its triangles' vertices or edges.
+    /// Elements numbered from here on are complete: all of their vertices and edges are features of the shape. If a
+    /// shape lists points or edges, vertices or edges of its triangles may be no features, so near triangles prove
+    /// nothing.
     std::int32_t first_complete = 0;
 };
 
@@ -25,26 +26,44 @@ class NearWalk : private TreePairWalk {
    public:
     NearWalk(Cancellation& cancellation, MemoryMeter* meter) : TreePairWalk(cancellation, meter) {}
 
-    /// Pair of groups of two bodies.
-    struct Groups {
-        std::int32_t a, b;
-    };
+    /// Returns true if two features are certainly at most `distance` apart at the start. Else marked_a() and marked_b()
+    /// list the groups of each body whose features may be that close to the other body.
+    bool near(const NearBody& a, const NearBody& b, double distance);
+    /// Lists the groups of each body whose features may be at most `distance` apart at some time of the step.
+    void near_in_step(const NearBody& a, const NearBody& b, double distance);
 
-    /// Returns true if two features are certainly at most `distance` apart at the start. Else lists in `groups` all
-    /// pairs of groups whose features may be that close.
-    bool near(const NearBody& a, const NearBody& b, double distance, std::vector<Groups>& groups);
-    /// Lists in `groups` all pairs of groups whose features may be at most `distance` apart at some time of the step.
-    void near_in_step(const NearBody& a, const NearBody& b, double distance, std::vector<Groups>& groups);
+    /// Return the groups that the last walk has listed, each once.
+    /// @{
+    const std::vector<std::int32_t>& marked_a() const { return marked_a_.groups; }
+    const std::vector<std::int32_t>& marked_b() const { return marked_b_.groups; }
+    /// @}
 
    private:
-    void begin(const NearBody& a, const NearBody& b, double distance, std::vector<Groups>& groups);
+    /// Set of groups of a body.
+    struct Marked {
+        std::vector<std::uint8_t> has;  ///< by group: 1 if it is in the set
+        std::vector<std::int32_t> groups;
+
+        void begin(std::int32_t count) {
+            has.assign(static_cast<std::size_t>(count), 0);
+            groups.clear();
+        }
+        void add(std::int32_t group) {
+            std::uint8_t& flag = has[static_cast<std::size_t>(group)];
+            if (!flag) groups.push_back(group);
+            flag = 1;
+        }
+    };
+
+    void begin(const NearBody& a, const NearBody& b, double distance);
+    bool walk_from_roots();
     bool walk(const At& a, const At& b);
-    bool visit(const Groups& pair);
+    bool visit(std::int32_t group_a, std::int32_t group_b);
 
     // State of the current walk:
     double distance_ = 0;
     std::int32_t first_complete_a_ = 0, first_complete_b_ = 0;
-    std::vector<Groups>* groups_ = nullptr;
+    Marked marked_a_, marked_b_;
     Vec3d direction_;  ///< direction that separated the last pair of elements
 };
 

@@ -40,7 +40,7 @@ class TreePairWalk {
     /// fit in a core's cache.
     static constexpr std::size_t cached_leaves = 64;
 
-    /// Node of a tree, and the interval of its box.
+    /// Node of a tree, and the intervals of its box along all directions.
     struct At {
         std::int32_t node;
         BoxDistance::Intervals reach;
@@ -87,7 +87,7 @@ class TreePairWalk {
 
     /// To be called once for each visit of a pair of groups. Throws Error (cancelled) if a stop is requested.
     void poll() {
-        constexpr std::int64_t visits_between_checks = 4096;
+        constexpr std::int64_t visits_between_checks = 256;
         if (++visits_ % visits_between_checks == 0) cancellation_.check();
     }
     /// Returns a group, with the vertices under the pose at the start.
@@ -99,7 +99,7 @@ class TreePairWalk {
     Cancellation& cancellation_;
     Side a_, b_;
     std::optional<BoxDistance> boxes_;
-    float limit_ = 0;  ///< BoxDistance::limit(): larger gaps are pruned
+    float limit_ = 0;  ///< result of BoxDistance::limit(): pairs with larger gaps are pruned
     bool is_step_ = false;
 
    private:
