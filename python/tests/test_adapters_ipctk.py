@@ -203,7 +203,7 @@ def test_edge_pairs_rejected_by_can_vertices_collide_are_left_out():
     assert 0 < len(wanted) < len(every)
 
 
-def test_unlisted_edges_are_not_candidates():
+def test_unlisted_edges_are_in_no_edge_edge_candidates():
     vertices, edges, faces = scene(rods=False)
     broad_phase, few = adapter.BroadPhase(), edges[::3]
     broad_phase.build(vertices, edges, faces, 0.05)

@@ -126,7 +126,7 @@ def test_mypy_accepts_a_typed_program_and_rejects_wrong_options(tmp_path):
         assert "arg-type" in checked.stdout or "call-overload" in checked.stdout
 
 
-def test_public_names_and_their_methods_have_docstrings():
+def test_names_in_all_and_their_own_methods_have_docstrings():
     for name in set(crumple.__all__) - {"__version__"}:
         thing = getattr(crumple, name)
         assert inspect.getdoc(thing), name
