@@ -130,7 +130,7 @@ TEST(CandidatesAndImpacts, every_impact_is_a_candidate) {
                 EXPECT_TRUE(std::binary_search(pairs.begin(), pairs.end(), pair)) << testing::PrintToString(pair);
         }
     }
-    EXPECT_GT(compared, 0U);
+    EXPECT_TRUE(sanitized || compared > 0) << "sanitizers leave out most soups";
 }
 
 }  // namespace
