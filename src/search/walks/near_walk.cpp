@@ -35,18 +35,10 @@ void NearWalk::near_in_step(const NearBody& a, const NearBody& b, double distanc
     walk_from_roots();
 }
 
-// Visits two nodes that may be near each other. Of the two children, the closer one comes first. Returns true if two
-// features are certainly near.
+// Visits two nodes that may be near each other. Returns true if two features are certainly near.
 bool NearWalk::walk(const At& a, const At& b) {
     if (is_leaf(a_, a) && is_leaf(b_, b)) return visit(a_.tree->node(a.node).group, b_.tree->node(b.node).group);
-    const bool split_a = first_is_split(a, b);
-    const auto half = halves(split_a ? a_ : b_, (split_a ? a : b).node);
-    const At& other = split_a ? b : a;
-    const float gaps[2] = {gap(half[0].reach, other.reach), gap(half[1].reach, other.reach)};
-    const std::size_t first = gaps[1] < gaps[0];
-    for (const std::size_t k : {first, 1 - first})
-        if (!(gaps[k] > limit_) && (split_a ? walk(half[k], other) : walk(other, half[k]))) return true;
-    return false;
+    return visit_halves(a, b, [this](const At& p, const At& q) { return walk(p, q); });
 }
 
 bool NearWalk::visit(std::int32_t group_a, std::int32_t group_b) {

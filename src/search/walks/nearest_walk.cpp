@@ -89,22 +89,14 @@ void NearestWalk::descend(At a, At b) {
     visit(a_.tree->node(a.node).group, b_.tree->node(b.node).group);
 }
 
-// Visits two nodes that may be as close as the closest pair so far. Of the two children, the closer one comes first.
+// Visits two nodes that may be as close as the closest pair so far.
 void NearestWalk::walk(const At& a, const At& b) {
     if (touching_ && comes_later(a, b)) return;
     if (is_leaf(a_, a) && is_leaf(b_, b)) return visit(a_.tree->node(a.node).group, b_.tree->node(b.node).group);
-    const bool split_a = first_is_split(a, b);
-    const auto half = halves(split_a ? a_ : b_, (split_a ? a : b).node);
-    const At& other = split_a ? b : a;
-    const float gaps[2] = {gap(half[0].reach, other.reach), gap(half[1].reach, other.reach)};
-    const std::size_t first = gaps[1] < gaps[0];
-    for (const std::size_t k : {first, 1 - first}) {
-        if (gaps[k] > limit_) continue;
-        if (split_a)
-            walk(half[k], other);
-        else
-            walk(other, half[k]);
-    }
+    visit_halves(a, b, [this](const At& p, const At& q) {
+        walk(p, q);
+        return false;
+    });
 }
 
 // True if all pairs of triangles below these nodes come after the touching pair in the order of the result.

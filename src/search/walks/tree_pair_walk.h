@@ -85,6 +85,11 @@ class TreePairWalk {
         return a_.unit * node_a.extent() > b_.unit * node_b.extent();
     }
 
+    /// Splits the larger of two nodes, which must not both be leaves. Calls visit(a, b) for each half and the other
+    /// node, the closer half first, unless they are farther apart than limit_. Ends and returns true when visit returns
+    /// true.
+    template <class Visit>
+    bool visit_halves(const At& a, const At& b, Visit visit) const;
     /// To be called once for each visit of a pair of groups. Throws Error (cancelled) if a stop is requested.
     void poll() {
         constexpr std::int64_t visits_between_checks = 256;
@@ -109,6 +114,18 @@ class TreePairWalk {
 
     std::int64_t visits_ = 0;
 };
+
+template <class Visit>
+bool TreePairWalk::visit_halves(const At& a, const At& b, Visit visit) const {
+    const bool split_a = first_is_split(a, b);
+    const auto half = halves(split_a ? a_ : b_, (split_a ? a : b).node);
+    const At& other = split_a ? b : a;
+    const float gaps[2] = {gap(half[0].reach, other.reach), gap(half[1].reach, other.reach)};
+    const std::size_t first = gaps[1] < gaps[0];
+    for (const std::size_t k : {first, 1 - first})
+        if (!(gaps[k] > limit_) && (split_a ? visit(half[k], other) : visit(other, half[k]))) return true;
+    return false;
+}
 
 template <class Test>
 void TreePairWalk::for_each_close_pair(const PosedLeaf& a, const PosedLeaf& b, Test test) const {
