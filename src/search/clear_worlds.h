@@ -1,6 +1,6 @@
 #pragma once
 
-// Decides most worlds of a query that only requests flags, by the trees of shapes (scene/shape_tree.h), so all shapes
+// Decides most worlds of a query about motion or nearness by the trees of shapes (scene/shape_tree.h), so all shapes
 // must have names. A world is clear if no pair of bodies that the filter selects can come near each other, at the start
 // or during the whole step. For any other world, finds a pair of features that is certainly near, or lists the groups
 // of elements that may come near those of another body, for an exact search.
