@@ -26,18 +26,6 @@ void warm_up(Detector& cuda, const MeshView& mesh, const IntersectionQuery& quer
     for (int call = 0; call < 2; ++call) cuda.launch(mesh, query).wait();
 }
 
-/// Replays until the result is complete, five times at most. Even for a static scene, one replay may not suffice:
-/// cluster centres move from replay to replay, so many triangles may change clusters, and a list of the graph may be
-/// too short.
-const DeviceIntersections& replay_until_complete(const Recorder& recorder,
-                                                 const LaunchTicket<IntersectionQuery>& launched) {
-    for (int replay = 0;; ++replay) {
-        recorder.replay();
-        const DeviceIntersections& found = launched.wait();
-        if (found.complete || replay == 4) return found;
-    }
-}
-
 std::string message_of(auto call) { return error_of(call).what(); }
 
 TEST(CudaCapture, each_complete_replay_gives_the_current_result) {
@@ -100,12 +88,9 @@ TEST(CudaCapture, host_decides_pairs_that_the_device_cannot) {
         const Intersections& expected = cpu.find(scene.mesh.view(), query);
         Recorder recorder;
         const MeshView view = recorder.on(device.view());
-        warm_up(cuda, view, query);
-        recorder.begin();
-        const auto launched = cuda.launch(view, query);
-        recorder.end();
-        for (int replay = 0; replay < 2; ++replay) {
-            const DeviceIntersections& found = replay_until_complete(recorder, launched);
+        for (int capture = 0; capture < 2; ++capture) {
+            const DeviceIntersections found =
+                capture_until_complete(recorder, [&] { return cuda.launch(view, query); });
             EXPECT_TRUE(shows(found, view, nullptr, expected));
             rational += found.statistics.rational_contacts;
             unresolved += found.statistics.rational_tests;

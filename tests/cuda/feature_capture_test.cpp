@@ -14,16 +14,6 @@
 namespace crumple::test {
 namespace {
 
-/// Replays until the result is complete, as in CudaCapture.
-template <class Query>
-auto replay_until_complete(const Recorder& recorder, const LaunchTicket<Query>& launched) {
-    for (int replay = 0;; ++replay) {
-        recorder.replay();
-        typename Query::DeviceResult found = launched.wait();
-        if (found.complete || replay == 4) return found;
-    }
-}
-
 TEST(CudaFeatureCapture, each_complete_replay_gives_the_current_result) {
     Detector cpu({.backend = Backend::cpu}), cuda({.backend = Backend::cuda, .leaf_size = 150});
     DeviceStep<float> on_device(falling(500, 70));
@@ -58,11 +48,7 @@ TEST(CudaFeatureCapture, captured_impacts_proximities_and_candidates_match_the_c
     Recorder recorder;
     const MeshView view = on_device.view(recorder.stream());
     const auto record = [&](const MeshView& mesh, const auto& query) {
-        for (int call = 0; call < 2; ++call) cuda.launch(mesh, query).wait();
-        recorder.begin();
-        const auto launched = cuda.launch(mesh, query);
-        recorder.end();
-        return replay_until_complete(recorder, launched);
+        return capture_until_complete(recorder, [&] { return cuda.launch(mesh, query); });
     };
     for (const Output output : {Output::pairs, Output::first, Output::any})
         EXPECT_TRUE(shows(record(view.moving_to(on_device.end()), ImpactQuery{.output = output}),

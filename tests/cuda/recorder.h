@@ -44,4 +44,30 @@ class Recorder {
     cudaGraphExec_t executable_ = nullptr;
 };
 
+/// Replays until the result is complete, five times at most. Even for a static scene, one replay may not suffice:
+/// cluster centres move from replay to replay, so many triangles may change clusters, and a list of the graph may be
+/// too short.
+template <class Query>
+typename Query::DeviceResult replay_until_complete(const Recorder& recorder, const LaunchTicket<Query>& launched) {
+    for (int replay = 0;; ++replay) {
+        recorder.replay();
+        const typename Query::DeviceResult found = launched.wait();
+        if (found.complete || replay == 4) return found;
+    }
+}
+
+/// Captures `launch()` and replays it until the result is complete. Where five replays do not suffice, launches outside
+/// of the capture and captures again, as callers are told to: the axis of a sweep may depend on the order of the
+/// device's threads, and along another axis more boxes overlap than the graph has room for.
+auto capture_until_complete(Recorder& recorder, auto&& launch) {
+    for (int capture = 0;; ++capture) {
+        for (int call = 0; call < 2; ++call) launch().wait();
+        recorder.begin();
+        const auto launched = launch();
+        recorder.end();
+        const auto found = replay_until_complete(recorder, launched);
+        if (found.complete || capture == 4) return found;
+    }
+}
+
 }  // namespace crumple::test
