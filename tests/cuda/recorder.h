@@ -56,9 +56,10 @@ typename Query::DeviceResult replay_until_complete(const Recorder& recorder, con
     }
 }
 
-/// Captures `launch()` and replays it until the result is complete. Where five replays do not suffice, launches outside
-/// of the capture and captures again, as callers are told to: the axis of a sweep may depend on the order of the
-/// device's threads, and along another axis more boxes overlap than the graph has room for.
+/// Captures `launch()` and replays it until the result is complete. Where five replays do not suffice, does what the
+/// error message of download() says: launches outside of the capture, and captures again. Reason: the axis of a sweep
+/// may depend on the order of the device's threads, and along another axis more boxes overlap than the graph's lists
+/// hold.
 auto capture_until_complete(Recorder& recorder, auto&& launch) {
     for (int capture = 0;; ++capture) {
         for (int call = 0; call < 2; ++call) launch().wait();
