@@ -11,7 +11,20 @@
 #include <type_traits>
 #include <utility>
 
+#include "crumple/export.h"
+
 namespace crumple {
+
+namespace detail {
+/// Storage of an Array, on a 64-byte boundary. Blocks of 32 MiB or more are mapped pages, where the system can
+/// remap them: they grow without a copy, and never exist twice.
+CRUMPLE_API void* allocate_storage(std::size_t bytes);
+CRUMPLE_API void free_storage(void* storage, std::size_t bytes) noexcept;
+/// True if grow_storage() can grow a block of `bytes` bytes.
+CRUMPLE_API bool can_grow_storage(std::size_t bytes) noexcept;
+/// Grows a block, which may move, and keeps its content. Throws std::bad_alloc, without any change.
+CRUMPLE_API void* grow_storage(void* storage, std::size_t bytes, std::size_t wanted);
+}  // namespace detail
 
 /// Counts the bytes that a detector's arrays own, and enforces a limit.
 struct MemoryMeter {
@@ -145,7 +158,7 @@ class Array {
     /// Removes all elements and frees the storage. The meter stays.
     void release() {
         if (!data_) return;
-        ::operator delete (data_, std::align_val_t{alignment});
+        detail::free_storage(data_, capacity_ * sizeof(T));
         if (meter_) meter_->add(-static_cast<std::int64_t>(capacity_ * sizeof(T)));
         data_ = nullptr;
         size_ = capacity_ = 0;
@@ -164,8 +177,6 @@ class Array {
     }
 
    private:
-    static constexpr std::size_t alignment = 64;
-
     void assign(const Array& other) {
         resize_discard(other.size_);
         if (size_) std::memcpy(static_cast<void*>(data_), other.data_, size_ * sizeof(T));
@@ -182,19 +193,24 @@ class Array {
         const bool tight = meter_ && meter_->limit > 0;
         const std::size_t capacity = tight ? wanted : std::max(wanted + wanted / 8, capacity_ + capacity_ / 2);
         if (capacity > static_cast<std::size_t>(PTRDIFF_MAX) / sizeof(T)) throw std::bad_alloc();
-        const auto bytes = static_cast<std::int64_t>(capacity * sizeof(T));
         if (size_ == 0) release();
-        if (meter_) meter_->add(bytes);
+        const std::size_t bytes = capacity * sizeof(T), before = capacity_ * sizeof(T);
+        const bool copies = !detail::can_grow_storage(before);
+        const auto added = static_cast<std::int64_t>(copies ? bytes : bytes - before);
+        if (meter_) meter_->add(added);
         T* fresh;
         try {
-            fresh = static_cast<T*>(::operator new (capacity * sizeof(T), std::align_val_t{alignment}));
+            fresh =
+                static_cast<T*>(copies ? detail::allocate_storage(bytes) : detail::grow_storage(data_, before, bytes));
         } catch (...) {
-            if (meter_) meter_->add(-bytes);
+            if (meter_) meter_->add(-added);
             throw;
         }
         const std::size_t size = size_;
-        if (size) std::memcpy(static_cast<void*>(fresh), data_, size * sizeof(T));
-        release();
+        if (copies) {
+            if (size) std::memcpy(static_cast<void*>(fresh), data_, size * sizeof(T));
+            release();
+        }
         data_ = fresh;
         size_ = size;
         capacity_ = capacity;

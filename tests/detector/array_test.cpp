@@ -62,6 +62,38 @@ TEST(Array, swap_beyond_a_memory_limit_throws_and_changes_neither_array) {
     }
 }
 
+// Blocks of 32 MiB grow without a copy, smaller ones are copied; the meter counts what is held at each time.
+TEST(Array, growth_keeps_elements_and_meter_counts_each_block) {
+    for (const std::size_t first : {std::size_t{1000}, std::size_t{8} << 20}) {
+        MemoryMeter meter;
+        Ints grown(&meter);
+        for (std::size_t i = 0; i < first; ++i) grown.push_back(static_cast<int>(i));
+        for (int growth = 0; growth < 3; ++growth) {
+            grown.reserve(2 * grown.capacity());
+            ASSERT_EQ(meter.used, static_cast<std::int64_t>(grown.capacity() * sizeof(int)));
+            ASSERT_EQ(reinterpret_cast<std::uintptr_t>(grown.data()) % 64, 0U);
+            for (std::size_t i = 0; i < first; ++i) ASSERT_EQ(grown[i], static_cast<int>(i));
+            grown.data()[grown.capacity() - 1] = 1;
+        }
+        grown.release();
+        EXPECT_EQ(meter.used, 0);
+    }
+}
+
+TEST(Array, rejected_growth_changes_nothing) {
+    for (const std::size_t first : {std::size_t{1000}, std::size_t{8} << 20}) {
+        MemoryMeter meter;
+        meter.limit = static_cast<std::int64_t>(2 * first * sizeof(int));
+        Ints limited(&meter);
+        limited.assign(first, 7);
+        const std::int64_t used = meter.used;
+        EXPECT_THROW(limited.reserve(2 * first + 1), MemoryMeter::Exceeded);
+        EXPECT_EQ(meter.used, used);
+        EXPECT_EQ(limited.size(), first);
+        EXPECT_EQ(limited[first - 1], 7);
+    }
+}
+
 TEST(MemoryMeter, rejected_allocation_does_not_raise_the_peak) {
     MemoryMeter meter;
     meter.limit = 1000;
