@@ -28,17 +28,23 @@ class Cancellation {
         stop_ = std::move(stop);
         caller_ = std::this_thread::get_id();
         polled_ = Clock::now();
+        poll_threw_ = false;
     }
 
     /// Throws Error (cancelled) after a stop was requested. On the caller's thread, first calls the poll function (if
     /// one is set, and at most every `poll_interval`), and lets its exceptions through.
     void check() {
         if (poll_ && std::this_thread::get_id() == caller_ && Clock::now() - polled_ >= poll_interval) {
+            poll_threw_ = true;
             poll_();
+            poll_threw_ = false;
             polled_ = Clock::now();
         }
         if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "the call was cancelled");
     }
+
+    /// True if a stop of the current call was requested, or the poll function threw in it. For the caller's thread.
+    bool stopped() const { return poll_threw_ || stop_.stop_requested(); }
 
    private:
     using Clock = std::chrono::steady_clock;
@@ -47,6 +53,7 @@ class Cancellation {
     std::function<void()> poll_;
     std::thread::id caller_;
     Clock::time_point polled_;  ///< time of the last poll, or of begin(); used by the caller's thread only
+    bool poll_threw_ = false;
 };
 
 /// Calls body(i) for each i in [0, n), in order, and checks for cancellation after every 65,536 calls. For loops over

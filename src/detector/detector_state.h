@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "backends/backend.h"
@@ -47,6 +49,8 @@ struct DetectorState {
     Backend working = Backend::cpu;  ///< type of `backend`
     std::unique_ptr<BackendBase> backend;
     std::string fallback;
+    /// Results of a cancelled call. The next call frees them, and all that is cached, before anything else.
+    std::optional<std::tuple<Intersections, Impacts, Proximities, Candidates, Distances, Overlaps>> left_over;
     std::int64_t bytes_before_launch = 0;  ///< metered bytes in use when the last launch began
 
     // Storage of the result of each query:
@@ -88,21 +92,33 @@ struct DetectorState {
         return make_cpu_backend(options, meter, cancellation);
     }
 
+    /// Empties all results, and returns what they contained.
+    auto empty_results() {
+        return std::tuple(
+            std::exchange(result, metered(&meter)), std::exchange(impacts, metered_impacts(&meter)),
+            std::exchange(nearby, metered_nearby(&meter)), std::exchange(candidates, metered_candidates(&meter)),
+            std::exchange(nearest_search, metered_nearest(&meter)), std::exchange(overlaps, metered_overlaps(&meter)));
+    }
+
     void free_caches() {
+        left_over.reset();
+        empty_results();
         backend->release();
         buffers = SceneBuffers(&meter);
-        result = metered(&meter);
         worlds.release();
         nearest.release();
         named.release();
-        nearest_search = metered_nearest(&meter);
         overlap_search.release();
         closed_bodies.release();
-        overlaps = metered_overlaps(&meter);
         features.release();
-        impacts = metered_impacts(&meter);
-        nearby = metered_nearby(&meter);
-        candidates = metered_candidates(&meter);
+    }
+
+    /// Frees what a cancelled call has left. Checks for cancellation in between, since freeing a GB can take 0.15 s.
+    void free_left_over() {
+        if (!left_over) return;
+        *left_over = {};
+        cancellation.check();
+        free_caches();
     }
 
     Error limit_error(std::int64_t least) const {
@@ -117,10 +133,11 @@ struct DetectorState {
     /// Guards one call: floating-point environment, cancellation, memory limit. Runs attempt(). If it exceeds the limit
     /// and again(least) returns true, frees everything that earlier calls have cached and runs it once more. `least` is
     /// a lower bound of the bytes that the attempt itself needs. A call that throws leaves an empty result and nothing
-    /// cached.
+    /// cached; a cancelled call lets the next one free the memory, and so ends sooner.
     template <class Attempt, class Again>
     void run(std::stop_token stop, Attempt attempt, Again again) {
         cancellation.begin(std::move(stop));
+        free_left_over();
         meter.peak = meter.used.load();
         run_above(meter.used, attempt, again, [](const Error&) { return false; });
     }
@@ -153,6 +170,13 @@ struct DetectorState {
     }
 
    private:
+    // On cuda, always frees at once: freeing waits for the device, which a later launch must not.
+    void abandon() {
+        if (cancellation.stopped() && working != Backend::cuda)
+            left_over = empty_results();
+        else
+            free_caches();
+    }
     template <class Attempt, class Again, class Keeps>
     void run_above(std::int64_t kept, Attempt attempt, Again again, Keeps keeps) {
         const FloatEnvironment environment;
@@ -170,10 +194,10 @@ struct DetectorState {
                 throw limit_error(exceeded.bytes - kept);
             }
         } catch (const Error& error) {
-            if (!keeps(error)) free_caches();
+            if (!keeps(error)) abandon();
             throw;
         } catch (...) {
-            free_caches();
+            abandon();
             throw;
         }
     }

@@ -93,6 +93,33 @@ TEST(Cancellation, stop_request_of_another_thread_cancels_find_and_detector_stay
     }
 }
 
+// The next call frees what a cancelled call has left: it needs no more memory than the first call of a new detector.
+TEST(Cancellation, call_after_a_cancelled_one_needs_as_much_memory_as_that_of_a_new_detector) {
+    struct Interrupt {};
+    const test::EachCheckPolls each_check_polls;
+    const auto large = test::random_soup(20'000, 0.1), small = test::random_soup(500, 0.2);
+    int checks = 0, next = 0;
+    {
+        Detector detector({.threads = 1});
+        detector.set_poll([&] { ++checks; });
+        detector.find(large.view());
+    }
+    ASSERT_GT(checks, 3);
+    const std::int64_t expected = Detector({.threads = 1}).find(small.view()).statistics.peak_memory_bytes;
+    for (const int last : {1, checks / 2, checks}) {
+        SCOPED_TRACE(last);
+        Detector detector({.threads = 1});
+        next = 0;
+        detector.set_poll([&] {
+            if (++next == last) throw Interrupt{};
+        });
+        EXPECT_THROW(detector.find(large.view()), Interrupt);
+        EXPECT_TRUE(detector.take_result<Intersections>().pairs.empty());
+        EXPECT_EQ(detector.find(small.view()).statistics.peak_memory_bytes, expected);
+        EXPECT_EQ(detector.find(large.view()).pairs.size(), Detector({.threads = 1}).find(large.view()).pairs.size());
+    }
+}
+
 TEST(Cancellation, stop_requested_before_a_call_cancels_it) {
     const auto soup = test::random_soup(500, 0.2);
     const MeshView mesh = soup.view();
