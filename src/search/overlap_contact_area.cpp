@@ -46,17 +46,48 @@ struct IntegerProjection {
     }
 };
 
-void add_enclosed(const FaceCorners& a, const FaceCorners& b, FixedSum& sum) {
-    const int axis = FilteredPlane(a).dominant_axis(), x = first_axis(axis), y = second_axis(axis);
-    EnclosedArea area;
-    add_common_area(EnclosedProjection{axis}, a, b, area);
-    if (area.twice.value.high == 0 && area.twice.error == 0) return;
-    if (orient2d(a[0], a[1], a[2], x) != 0 || orient2d(a[0], a[1], a[2], y) != 0) {
-        const Vec3<Enclosed> normal = cross(enclosed_difference(a[1], a[0]), enclosed_difference(a[2], a[0]));
-        const Enclosed across = normal[axis].value.high < 0 ? -normal[axis] : normal[axis];
-        area.twice = area.twice * (sqrt(dot(normal, normal)) / across);
+/// A face, and the sum of the areas that it has in common with other faces in its plane.
+class EnclosedContact {
+   public:
+    explicit EnclosedContact(const FaceCorners& face) : face_(face), axis_(FilteredPlane(face).dominant_axis()) {}
+
+    void add(const FaceCorners& other) {
+        if (overlaps_box(other, first_axis(axis_)) && overlaps_box(other, second_axis(axis_)))
+            add_common_area(EnclosedProjection{axis_}, face_, other, area_);
     }
-    sum.add(area.twice);
+
+    /// Returns twice the sum of the areas.
+    Enclosed twice() const {
+        const auto &a = face_[0], &b = face_[1], &c = face_[2];
+        const bool across = orient2d(a, b, c, first_axis(axis_)) == 0 && orient2d(a, b, c, second_axis(axis_)) == 0;
+        if (across || (area_.twice.value.high == 0 && area_.twice.error == 0)) return area_.twice;
+        const Vec3<Enclosed> normal = cross(enclosed_difference(b, a), enclosed_difference(c, a));
+        const Enclosed along = normal[axis_].value.high < 0 ? -normal[axis_] : normal[axis_];
+        return area_.twice * (sqrt(dot(normal, normal)) / along);
+    }
+
+   private:
+    /// True if the interiors of the boxes of both faces overlap along an axis; otherwise the faces have no area in
+    /// common.
+    bool overlaps_box(const FaceCorners& other, int axis) const {
+        const auto most = [&](const FaceCorners& f) { return std::max({f[0][axis], f[1][axis], f[2][axis]}); };
+        const auto least = [&](const FaceCorners& f) { return std::min({f[0][axis], f[1][axis], f[2][axis]}); };
+        return least(face_) < most(other) && least(other) < most(face_);
+    }
+
+    FaceCorners face_;
+    int axis_;
+    EnclosedArea area_;
+};
+
+/// Adds up the common areas of pairs of faces, sorted by their first faces.
+void add_enclosed(const SurfacePair& surfaces, std::span<const Pair> pairs, FixedSum& sum) {
+    for (std::size_t i = 0; i < pairs.size();) {
+        const std::int32_t face = pairs[i].a;
+        EnclosedContact contact(surfaces.corners(0, face));
+        for (; i < pairs.size() && pairs[i].a == face; ++i) contact.add(surfaces.corners(1, pairs[i].b));
+        sum.add(contact.twice());
+    }
 }
 
 void add_exactly(const FaceCorners& a, const FaceCorners& b, RootSum& sum) {
@@ -70,7 +101,7 @@ void add_exactly(const FaceCorners& a, const FaceCorners& b, RootSum& sum) {
     add_common_area(IntegerProjection{axis}, p, in_units(b, exponent), area);
 }
 
-/// Adds up the common areas of pairs of faces, in parallel chunks. add(a, b, sum) adds the area of one pair.
+/// Adds up the common areas of pairs of faces, in parallel chunks. add(surfaces, pairs, sum) adds those of a chunk.
 template <class Sum, class Add>
 Sum sum_of(const SurfacePair& surfaces, std::span<const Pair> pairs, ParallelFor& workers, Cancellation& cancellation,
            Add add) {
@@ -78,11 +109,9 @@ Sum sum_of(const SurfacePair& surfaces, std::span<const Pair> pairs, ParallelFor
     Sum sum;
     std::mutex mutex;
     workers.parallel_for((pairs.size() + chunk - 1) / chunk, [&](std::size_t i) {
+        cancellation.check();
         Sum part;
-        for (const Pair& pair : pairs.subspan(i * chunk, std::min(chunk, pairs.size() - i * chunk))) {
-            cancellation.check();
-            add(surfaces.corners(0, pair.a), surfaces.corners(1, pair.b), part);
-        }
+        add(surfaces, pairs.subspan(i * chunk, std::min(chunk, pairs.size() - i * chunk)), part);
         const std::scoped_lock lock(mutex);
         sum.add(part);
     });
@@ -98,7 +127,13 @@ ContactArea find_contact_area(const SurfacePair& surfaces, std::span<const Pair>
         const auto sum = sum_of<FixedSum>(surfaces, pairs, workers, cancellation, add_enclosed);
         if (const auto known = sum.rounded_quotient(2)) return {known->value};
     }
-    const auto sum = sum_of<RootSum>(surfaces, pairs, workers, cancellation, add_exactly);
+    const auto add_pairs = [&](const SurfacePair&, std::span<const Pair> some, RootSum& sum) {
+        for (const Pair& pair : some) {
+            cancellation.check();  // rational arithmetic is slow
+            add_exactly(surfaces.corners(0, pair.a), surfaces.corners(1, pair.b), sum);
+        }
+    };
+    const auto sum = sum_of<RootSum>(surfaces, pairs, workers, cancellation, add_pairs);
     return {sum.rounded_quotient(2, cancellation).value, true};
 }
 
