@@ -101,6 +101,22 @@ TEST_P(InflatedTriangles, near_triangles_have_overlapping_balls_and_boxes) {
     EXPECT_GT(near, 100);
 }
 
+// A path of 2^-54 is shorter than the rounding errors of corners relative to the leaf's origin. With a share of nearly
+// 1 it is multiplied by 2^53.
+TEST(Inflation, boxes_overlap_if_a_share_of_nearly_1_is_reached_by_a_path_of_one_rounding_error) {
+    const auto rests = [](const Vec3d& p) { return MovingPoint{p, p}; };
+    TriangleCase c{2, {}, {0, 1 - 0x1p-53}};
+    c.corner = {MovingPoint{{0.1, 0.1, 0.3 + 0x1p-54}, {0.1, 0.1, 0.3}},
+                rests({0.1, 0.2, 0.6}),
+                rests({0.2, 0.1, 0.6}),
+                rests({-0.5, -0.5, -0.15}),
+                rests({0.7, -0.5, -0.15}),
+                rests({-0.5, 0.7, -0.15})};
+    ASSERT_TRUE(c.near());
+    for (const float origin : {-0.3f, 0.0f, 0.1f})
+        EXPECT_TRUE(boxes_overlap(c, false, around({0, 0, origin}), inflation_of(c.separation))) << origin;
+}
+
 TEST(Inflation, inflation_is_half_of_the_distance_rounded_up_but_at_most_4) {
     for (const double distance : {1e-300, 1e-38, 1e-7, 0.3, 1.0, 3.4}) {
         const Inflation inflation = inflation_of({distance, 0});

@@ -224,6 +224,33 @@ TEST_P(FeatureProperties, proximities_are_impacts_at_the_start_within_a_distance
     }
 }
 
+// Once an impact is known, later leaves are built for the motion up to its time.
+TEST_P(FeatureProperties, first_impact_among_many_leaves_is_the_first_of_all_impacts) {
+    int inside = 0, many = 0;  // number of first impacts later than at the start, and of soups with many impacts
+    const auto expect_first = [&](const auto& soup, const ImpactQuery& query) {
+        const auto step = soup.view().moving_to(soup.end_view());
+        const Impacts all = detector_.find(step, query);
+        many += all.vertex_faces().pairs.size() + all.edge_edges().pairs.size() > 5;
+        for (const int threads : {1, 2}) {
+            const FirstImpact found =
+                Detector({.threads = threads, .leaf_size = 10}).find(step, FirstImpactQuery{query});
+            EXPECT_EQ(found, all.first);
+            inside += found.toi > 0;
+        }
+    };
+    for (int k = 0; k < scaled_rounds(6); ++k) {
+        const unsigned seed = 1000 * GetParam() + static_cast<unsigned>(k);
+        MovingSoup<> soup = in_general(150, 0.05, k % 2 ? 0.1 : 0.4, seed);
+        if (k % 3 == 2) soup.append(moving_grid(9, 20, 20, seed));
+        for (const ImpactQuery& query : {ImpactQuery{}, ImpactQuery{.min_distance_share = 0.3}}) {
+            expect_first(soup, query);
+            expect_first(rounded<float>(soup), query);
+        }
+    }
+    EXPECT_GT(inside, 0);
+    EXPECT_GT(many, 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, FeatureProperties, testing::Range(0u, 4u));
 
 }  // namespace

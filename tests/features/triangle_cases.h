@@ -100,6 +100,7 @@ class LeafOfTwo {
    public:
     using Record = FeatureRecord<moments>;
 
+    /// Builds the leaf in a frame that moves with the mean of the corners.
     LeafOfTwo(const cpu::FeatureTables& table, const TriangleCase& c, bool float32, const LeafFrame& frame,
               const Inflation& inflation)
         : corners_(c.vertex), table_(table), features_(nullptr) {
@@ -117,9 +118,11 @@ class LeafOfTwo {
         triangle[0] = 0;
         boxes_.resize(2);
         record_.resize(2 + cpu::padding);
+        Vec3d motion;
+        for (const MovingPoint& p : c.corner) motion = motion + (1.0 / 6) * (p.end - p.start);
         const FlushToZero mode;
         table.of<moments>().build({float32 ? PointRows{rows32_.data(), nullptr} : PointRows{nullptr, rows_.data()},
-                                   corners_.data(), 2, triangle.data(), 2, frame, 6, inflation},
+                                   corners_.data(), 2, triangle.data(), 2, frame, 6, inflation, to_float(motion)},
                                   features_, record_.data(), boxes_, bounds_);
     }
 

@@ -52,14 +52,16 @@ bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::s
                    members.lower.data());
     members.keep_members = !ownership.complete();
     const PointRows points = call.points();
+    const std::int64_t ends = scene.moving ? scene.vertex_count() : 0;
     const BuildInput input{points,
                            scene.corners,
                            scene.triangle_count(),
                            members.triangle.data(),
                            members.size(),
                            leaf_frame(call.buffers.balls, points, scene.corners, members),
-                           scene.moving ? scene.vertex_count() : 0,
-                           call.inflation};
+                           ends,
+                           call.inflation,
+                           mean_motion(points, scene.corners, ends, members)};
     const FlushToZero mode;
     call.query.build(input, members, w);
     worker.statistics[Stage::align] += watch.lap();

@@ -37,6 +37,15 @@ HWY_INLINE void geometry_rows(D d, const LocalCorners<V>& c, V& X, V& Y, V& Z) {
     Z = hn::InterleaveLower(d, hn::InterleaveUpper(d, c.q0, c.q2), hn::InterleaveUpper(d, c.q1, n));
 }
 
+/// Returns corners at a time between two samples, rounded: they err by 8 u times the largest |coordinate| of the result
+/// and of `start` (docs/features.md).
+template <class D, class V>
+HWY_INLINE LocalCorners<V> corners_between(D d, const LocalCorners<V>& start, const LocalCorners<V>& end, float time) {
+    const V t = hn::Set(d, time);
+    const auto at = [&](V p, V q) HWY_ATTR { return hn::MulAdd(t, hn::Sub(q, p), p); };
+    return {at(start.q0, end.q0), at(start.q1, end.q1), at(start.q2, end.q2), at(start.a, end.a), at(start.b, end.b)};
+}
+
 /// Inflation of the box of each block's member.
 template <int moments>
 class Widenings {
@@ -92,17 +101,25 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
         }
         BoxLanes::Box box{hn::Set(d, LeafBounds::most), hn::Set(d, -LeafBounds::most)};
         V size = hn::Zero(d), row[8] = {};
-        const auto add_time_sample = [&](const Points& points, int m) HWY_ATTR {
-            const LocalCorners<V> c = points.corners(d, corner);
+        const auto add_time_sample = [&](const LocalCorners<V>& c, int m) HWY_ATTR {
             const V t0 = lanes.turn(c.q0), t1 = lanes.turn(c.q1), t2 = lanes.turn(c.q2);
             box.low = hn::Min(box.low, hn::Min(t0, hn::Min(t1, t2)));
             box.high = hn::Max(box.high, hn::Max(t0, hn::Max(t1, t2)));
             size = hn::Max(size, hn::Max(hn::Abs(c.q0), hn::Max(hn::Abs(c.q1), hn::Abs(c.q2))));
             geometry_rows(d, c, row[m], row[moments + m], row[2 * moments + m]);
         };
-        add_time_sample(start, 0);
-        if constexpr (moments == 2) add_time_sample(end, 1);
+        const LocalCorners<V> first = start.corners(d, corner);
+        add_time_sample(first, 0);
         V more = widenings(d, i);
+        if constexpr (moments == 2) {
+            const LocalCorners<V> last = end.corners(d, corner);
+            if (HWY_LIKELY(in.until == 1)) {
+                add_time_sample(last, 1);
+            } else {
+                add_time_sample(corners_between(d, first, last, in.until), 1);
+                more = hn::MulAdd(hn::Set(d, 24 * unit_roundoff), largest_of(size), more);
+            }
+        }
         box.low = hn::Sub(box.low, more);
         box.high = hn::Add(box.high, more);
         lanes.store(box, i, boxes);
@@ -130,14 +147,13 @@ HWY_INLINE void build_from(const BuildInput& in, const Points& start, const Poin
 template <int moments>
 void build(const BuildInput& in, const SceneFeatures& features, FeatureRecord<moments>* record, Boxes& boxes,
            LeafBounds& bounds) {
+    const Vec3f start = origin_at<moments>(in, 0), end = origin_at<moments>(in, 1);
     if (in.points.f) {
         const float* rows = in.points.f;
-        build_from(in, Points32(rows, in.frame.origin), Points32(rows + 4 * in.ends, in.frame.origin), features, record,
-                   boxes, bounds);
+        build_from(in, Points32(rows, start), Points32(rows + 4 * in.ends, end), features, record, boxes, bounds);
     } else {
         const double* rows = in.points.d;
-        build_from(in, Points64(rows, in.frame.origin), Points64(rows + 4 * in.ends, in.frame.origin), features, record,
-                   boxes, bounds);
+        build_from(in, Points64(rows, start), Points64(rows + 4 * in.ends, end), features, record, boxes, bounds);
     }
 }
 

@@ -105,8 +105,10 @@ template <int moments>
 void FeatureLeaves<moments>::build(const BuildInput& input, LeafMembers& members, std::size_t w) {
     Worker& worker = *worker_[w];
     worker.built.resize_discard(static_cast<std::size_t>(input.members + padding));
-    kernels_.build(input, query_->features, worker.built.data(), members.boxes, members.bounds);
-    worker.reach = members.bounds.reach;
+    BuildInput searched = input;
+    if (moments == 2 && query_->extent == Extent::first) searched.until = first_time();
+    kernels_.build(searched, query_->features, worker.built.data(), members.boxes, members.bounds);
+    worker.reach = (searched.until < 1 ? 2 : 1) * members.bounds.reach;
     worker.farthest = radius_ ? 2 * largest_radius(input) : distance_;
 }
 
@@ -285,6 +287,13 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     }
     worker.statistics.exact_tests += counts.tests;
     worker.statistics.rational_tests += counts.rational;
+}
+
+// Returns the earliest toi found so far, or 1, rounded up to a number that is not subnormal.
+template <int moments>
+float FeatureLeaves<moments>::first_time() const {
+    const double known = std::bit_cast<double>(first_time_.load(std::memory_order_relaxed));
+    return known < 1 ? std::max(std::nextafter(static_cast<float>(known), 1.0f), 1e-30f) : 1.0f;
 }
 
 // Returns true if an impact of this test would be later than the earliest one found so far. Times are not negative, so

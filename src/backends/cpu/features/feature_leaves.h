@@ -65,7 +65,7 @@ class FeatureLeaves final : public LeafQuery {
         GuessBatch guesses;
         Array<Record> built;   ///< in the order of LeafMembers
         Array<Record> sorted;  ///< by physical row (stages/layout.h)
-        float reach = 0;       ///< the leaf's largest |coordinate|
+        float reach = 0;       ///< the leaf's largest |coordinate|; twice that if its records are of a part of the step
         float farthest = 0;    ///< largest distance requested for a pair of the leaf, apart from a share of the pair's
                                ///< distance at the start
         CandidateChunk candidates;
@@ -88,6 +88,7 @@ class FeatureLeaves final : public LeafQuery {
     void list_codimensional_tests(const PairsLeft<moments>& pairs, Worker& worker) const;
     void filter_tests(FeatureKind kind, Worker& worker) const;
     void drop_adjacent(FeatureKind kind, Array<FeatureTest>& tests) const;
+    float first_time() const;
     bool is_later(FeatureKind kind, const FeatureTest& test) const;
     void decide_tests(FeatureKind kind, Worker& worker);
     void measure_tests(FeatureKind kind, Worker& worker);

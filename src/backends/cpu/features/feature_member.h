@@ -10,29 +10,49 @@
 
 namespace crumple::cpu {
 
-/// Reads the normalised corners of a triangle: those at the start, then those at the end.
+/// Returns the origin of a leaf's frame at the start or at the end of the step.
+template <int moments>
+Vec3f origin_at(const BuildInput& in, int moment) {
+    return moments == 1 ? in.frame.origin : in.frame.origin + (static_cast<float>(moment) - 0.5f) * in.drift;
+}
+
+/// Reads the normalised corners of a triangle, relative to the origin: those at the start, then those at
+/// BuildInput::until.
 template <int moments>
 void corners_of(const BuildInput& in, std::int32_t triangle, Vec3d (&p)[3 * moments]) {
     const std::int32_t* corner = in.corners + 3 * std::int64_t{triangle};
-    for (int k = 0; k < 3; ++k) {
-        p[k] = in.points[corner[k]];
-        if constexpr (moments == 2) p[3 + k] = in.points[static_cast<std::int32_t>(corner[k] + in.ends)];
+    for (int moment = 0; moment < moments; ++moment) {
+        const Vec3f o = origin_at<moments>(in, moment);
+        for (int k = 0; k < 3; ++k)
+            p[3 * moment + k] =
+                in.points[static_cast<std::int32_t>(corner[k] + moment * in.ends)] - Vec3d{o.x, o.y, o.z};
     }
+    if constexpr (moments == 2)
+        for (int k = 0; k < 3 && in.until < 1; ++k) p[3 + k] = p[k] + double{in.until} * (p[3 + k] - p[k]);
 }
 
-/// Returns the length by which a triangle's box is inflated on all sides. `p`: see corners_of().
+/// Returns the length by which a triangle's box is inflated on all sides. `p`: see corners_of(); each coordinate errs
+/// by a few 2^-53 of the largest one, which matters only for shares of nearly 1.
 template <int moments>
 float widening(const BuildInput& in, std::int32_t triangle, const Vec3d (&p)[3 * moments]) {
     float way = 0;
-    if constexpr (moments == 2)
-        for (int k = 0; k < 3; ++k) way = max(way, length(to_float(p[3 + k] - p[k])));
+    if constexpr (moments == 2) {
+        double reach = 0;
+        for (int k = 0; k < 3; ++k) {
+            way = max(way, length(to_float(p[3 + k] - p[k])));
+            reach = max(reach, max(largest(abs(p[k])), largest(abs(p[3 + k]))));
+        }
+        way += static_cast<float>(0x1p-48 * reach);
+    }
     return in.inflation.of(triangle)(way);
 }
 
 /// Returns the member in the leaf's frame, with its box inflated.
 template <int moments>
 InFrame<3 * moments> widened(const BuildInput& in, std::int32_t triangle, const Vec3d (&p)[3 * moments]) {
-    InFrame<3 * moments> member(p, in.frame);
+    LeafFrame frame = in.frame;
+    frame.origin = {};
+    InFrame<3 * moments> member(p, frame);
     const float more = widening<moments>(in, triangle, p);
     member.low = member.low - Vec3f{more, more, more};
     member.high = member.high + Vec3f{more, more, more};

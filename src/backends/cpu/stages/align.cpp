@@ -49,4 +49,16 @@ LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const st
     return frame;
 }
 
+Vec3f mean_motion(const PointRows& points, const std::int32_t* corners, std::int64_t ends, const LeafMembers& members) {
+    if (ends == 0) return {};
+    constexpr std::int64_t most_samples = 32;
+    const std::int64_t samples = std::min<std::int64_t>(members.size(), most_samples);
+    Vec3d sum;
+    for (std::int64_t i = 0; i < samples; ++i) {
+        const std::int32_t vertex = corners[3 * std::int64_t{members.triangle[i * members.size() / samples]}];
+        sum = sum + (points[static_cast<std::int32_t>(vertex + ends)] - points[vertex]);
+    }
+    return to_float((1.0 / static_cast<double>(samples)) * sum);
+}
+
 }  // namespace crumple::cpu

@@ -16,6 +16,9 @@ namespace crumple::cpu {
 LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const std::int32_t* corners,
                      const LeafMembers& members);
 
+/// Returns the mean motion of up to 32 members, from one corner of each. `ends`: see BuildInput.
+Vec3f mean_motion(const PointRows& points, const std::int32_t* corners, std::int64_t ends, const LeafMembers& members);
+
 /// Writes the box of the leaf's member i and updates the leaf's bounds, for a `build` without SIMD.
 template <int corners>
 void add_box(const InFrame<corners>& member, std::int64_t i, Boxes& boxes, LeafBounds& bounds) {
