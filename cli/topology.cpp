@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -89,23 +90,57 @@ std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int
 
 namespace {
 
-/// Side of a triangle: the edge, and the direction in which the triangle's corners run along it.
+/// Items grouped by vertex, in linear time. In each group, items are in the order in which they were added.
+template <class Item>
+class ByVertex {
+   public:
+    /// Groups the items that add_all(add) passes to add(vertex, item). Calls add_all twice, first to count the items;
+    /// both calls must add the same items in the same order.
+    template <class AddAll>
+    ByVertex(std::int64_t vertices, AddAll add_all) : end_(static_cast<std::size_t>(vertices + 1)) {
+        add_all([&](std::int32_t vertex, const Item&) { ++end_[static_cast<std::size_t>(vertex) + 1]; });
+        std::partial_sum(end_.begin(), end_.end(), end_.begin());
+        items_ = std::make_unique_for_overwrite<Item[]>(end_.back());
+        // At this point end_[v] is where v's group starts. Each item added advances it, so in the end it is where the
+        // group ends.
+        add_all(
+            [&](std::int32_t vertex, const Item& item) { items_[end_[static_cast<std::size_t>(vertex)]++] = item; });
+    }
+
+    /// Calls visit(vertex, items) for each vertex with items, in ascending order. `visit` may modify the items.
+    template <class Visit>
+    void for_each_group(Visit visit) {
+        std::size_t begin = 0;
+        for (std::size_t v = 0; v + 1 < end_.size(); ++v) {
+            if (end_[v] > begin) visit(static_cast<std::int32_t>(v), std::span(items_.get() + begin, end_[v] - begin));
+            begin = end_[v];
+        }
+    }
+
+   private:
+    std::vector<std::size_t> end_;
+    std::unique_ptr<Item[]> items_;
+};
+
+/// Side of a triangle, in the group of its edge's lower vertex.
 struct DirectedSide {
-    Edge edge;     ///< the edge with its lower vertex first: a < b
-    bool upwards;  ///< true if the triangle runs from a to b
-    std::int32_t triangle;
+    std::int32_t upper;      ///< the edge's other vertex
+    std::uint32_t numbered;  ///< 2 · triangle, plus 1 if the triangle runs from the lower vertex to the upper one
+    bool upwards() const { return numbered % 2 == 1; }
+    std::int32_t triangle() const { return static_cast<std::int32_t>(numbered / 2); }
+    friend auto operator<=>(const DirectedSide&, const DirectedSide&) = default;
 };
 
 /// Returns two triangles that run along an edge in the same direction, or nothing if as many triangles run along it in
-/// one direction as in the other. `sides`: all sides of triangles at this edge.
-std::optional<FlippedEdge> find_flipped(std::span<const DirectedSide> sides) {
-    const auto up = std::count_if(sides.begin(), sides.end(), [](const DirectedSide& side) { return side.upwards; });
+/// one direction as in the other. `sides`: all sides along one edge; `lower`: the edge's lower vertex.
+std::optional<FlippedEdge> find_flipped(std::int32_t lower, std::span<const DirectedSide> sides) {
+    const auto up = std::count_if(sides.begin(), sides.end(), [](const DirectedSide& side) { return side.upwards(); });
     if (2 * up == std::ssize(sides)) return std::nullopt;
     const bool most = 2 * up > std::ssize(sides);
-    const auto same = [&](const DirectedSide& side) { return side.upwards == most; };
+    const auto same = [&](const DirectedSide& side) { return side.upwards() == most; };
     const auto first = std::find_if(sides.begin(), sides.end(), same);
     const auto second = std::find_if(first + 1, sides.end(), same);
-    return FlippedEdge{first->edge, first->triangle, second->triangle};
+    return FlippedEdge{{lower, first->upper}, first->triangle(), second->triangle()};
 }
 
 std::int64_t count_parts(const std::vector<Edge>& edges, std::int64_t vertices) {
@@ -121,28 +156,29 @@ std::int64_t count_parts(const std::vector<Edge>& edges, std::int64_t vertices) 
 }  // namespace
 
 EdgeReport report_edges(const io::TriangleMesh& mesh) {
-    std::vector<DirectedSide> sides;
-    sides.reserve(mesh.triangles.size());
-    for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
-        const std::int32_t* const c = corners_of(mesh, t);
-        for (int k = 0; k < 3; ++k) {
-            const std::int32_t a = c[k], b = c[(k + 1) % 3];
-            if (a != b) sides.push_back({{std::min(a, b), std::max(a, b)}, a < b, static_cast<std::int32_t>(t)});
+    ByVertex<DirectedSide> sides(mesh.vertex_count(), [&](auto add) {
+        for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
+            const std::int32_t* const c = corners_of(mesh, t);
+            for (int k = 0; k < 3; ++k) {
+                const std::int32_t a = c[k], b = c[(k + 1) % 3];
+                if (a != b) add(std::min(a, b), {std::max(a, b), 2 * static_cast<std::uint32_t>(t) + (a < b ? 1 : 0)});
+            }
         }
-    }
-    std::stable_sort(sides.begin(), sides.end(),
-                     [](const DirectedSide& p, const DirectedSide& q) { return p.edge < q.edge; });
+    });
     EdgeReport report;
-    for (auto side = sides.begin(); side != sides.end();) {
-        const auto next =
-            std::find_if(side, sides.end(), [&](const DirectedSide& other) { return other.edge != side->edge; });
-        const auto count = next - side;
-        if (count == 1) report.open.push_back(side->edge);
-        if (count > 2) ++report.non_manifold;
-        if (count % 2) report.closed = false;
-        if (count % 2 == 0 && !report.flipped) report.flipped = find_flipped({side, next});
-        side = next;
-    }
+    sides.for_each_group([&](std::int32_t lower, std::span<DirectedSide> group) {
+        std::sort(group.begin(), group.end());
+        for (auto side = group.begin(); side != group.end();) {
+            const auto next =
+                std::find_if(side, group.end(), [&](const DirectedSide& other) { return other.upper != side->upper; });
+            const auto count = next - side;
+            if (count == 1) report.open.push_back({lower, side->upper});
+            if (count > 2) ++report.non_manifold;
+            if (count % 2) report.closed = false;
+            if (count % 2 == 0 && !report.flipped) report.flipped = find_flipped(lower, {side, next});
+            side = next;
+        }
+    });
     report.holes = count_parts(report.open, mesh.vertex_count());
     return report;
 }
@@ -181,23 +217,25 @@ std::vector<std::int32_t> degenerate_triangles(const io::TriangleMesh& mesh) {
 std::vector<std::int32_t> duplicated_triangles(const io::TriangleMesh& mesh) {
     io::TriangleMesh welded = mesh;
     io::weld(welded);
-    struct Corners {
-        std::array<std::int32_t, 3> sorted;
-        std::int32_t triangle;
-        auto operator<=>(const Corners&) const = default;
+    struct UpperCorners {
+        std::int32_t middle, highest, triangle;
+        auto operator<=>(const UpperCorners&) const = default;
     };
-    std::vector<Corners> all;
-    all.reserve(static_cast<std::size_t>(mesh.triangle_count()));
-    for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
-        const std::int32_t* const c = corners_of(welded, t);
-        all.push_back({{c[0], c[1], c[2]}, static_cast<std::int32_t>(t)});
-        std::sort(all.back().sorted.begin(), all.back().sorted.end());
-    }
-    std::sort(all.begin(), all.end());
+    ByVertex<UpperCorners> all(welded.vertex_count(), [&](auto add) {
+        for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
+            const std::int32_t* const c = corners_of(welded, t);
+            const auto [low, high] = std::minmax({c[0], c[1], c[2]});
+            const std::int32_t middle = std::max(std::min(c[0], c[1]), std::min(std::max(c[0], c[1]), c[2]));
+            add(low, {middle, high, static_cast<std::int32_t>(t)});
+        }
+    });
     std::vector<std::int32_t> result;
-    for (std::size_t i = 1; i < all.size(); ++i) {
-        if (all[i].sorted == all[i - 1].sorted) result.push_back(all[i].triangle);
-    }
+    all.for_each_group([&](std::int32_t, std::span<UpperCorners> group) {
+        std::sort(group.begin(), group.end());
+        for (std::size_t i = 1; i < group.size(); ++i)
+            if (group[i].middle == group[i - 1].middle && group[i].highest == group[i - 1].highest)
+                result.push_back(group[i].triangle);
+    });
     std::sort(result.begin(), result.end());
     return result;
 }
