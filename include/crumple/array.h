@@ -16,14 +16,16 @@
 namespace crumple {
 
 namespace detail {
-/// Storage of an Array, on a 64-byte boundary. Blocks of 32 MiB or more are mapped pages, where the system can
-/// remap them: they grow without a copy, and never exist twice.
+/// Allocates storage of an Array, aligned to 64 bytes. On Linux, blocks of 32 MiB or more are mapped pages, which grow
+/// without a copy.
 CRUMPLE_API void* allocate_storage(std::size_t bytes);
+/// Frees a block; `bytes`: its current size.
 CRUMPLE_API void free_storage(void* storage, std::size_t bytes) noexcept;
 /// True if grow_storage() can grow a block of `bytes` bytes.
 CRUMPLE_API bool can_grow_storage(std::size_t bytes) noexcept;
-/// Grows a block, which may move, and keeps its content. Throws std::bad_alloc, without any change.
-CRUMPLE_API void* grow_storage(void* storage, std::size_t bytes, std::size_t wanted);
+/// Grows a block from `bytes` to `new_bytes` and returns its new address. Requires can_grow_storage(bytes). If it
+/// throws std::bad_alloc, the block is unchanged.
+CRUMPLE_API void* grow_storage(void* storage, std::size_t bytes, std::size_t new_bytes);
 }  // namespace detail
 
 /// Counts the bytes that a detector's arrays own, and enforces a limit.

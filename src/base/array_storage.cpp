@@ -5,7 +5,7 @@
 
 #include "crumple/array.h"
 
-// Sanitizers check only blocks of operator new.
+// Sanitizers do not check mapped blocks, so under them all blocks come from operator new.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // g++
 #define CRUMPLE_SANITIZED 1
 #elif defined(__has_feature)  // clang++
@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t alignment = 64;
 
 #ifdef CRUMPLE_REMAPS
-// The C library maps blocks from this size on in any case; it keeps smaller ones for reuse.
+// glibc maps blocks of at least this size in any case. Smaller ones it may keep for reuse, which is faster.
 constexpr std::size_t least_mapped = std::size_t{32} << 20;  // bytes
 
 bool is_mapped(std::size_t bytes) { return bytes >= least_mapped; }
@@ -35,8 +35,8 @@ void* map(std::size_t bytes) {
     return mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
 }
 void unmap(void* storage, std::size_t bytes) noexcept { munmap(storage, bytes); }
-void* remap(void* storage, std::size_t bytes, std::size_t wanted) {
-    return mremap(storage, bytes, wanted, MREMAP_MAYMOVE);
+void* remap(void* storage, std::size_t bytes, std::size_t new_bytes) {
+    return mremap(storage, bytes, new_bytes, MREMAP_MAYMOVE);
 }
 void* const failed = MAP_FAILED;
 #else
@@ -67,8 +67,8 @@ void free_storage(void* storage, std::size_t bytes) noexcept {
 
 bool can_grow_storage(std::size_t bytes) noexcept { return is_mapped(bytes); }
 
-void* grow_storage(void* storage, std::size_t bytes, std::size_t wanted) {
-    return checked(remap(storage, bytes, wanted));
+void* grow_storage(void* storage, std::size_t bytes, std::size_t new_bytes) {
+    return checked(remap(storage, bytes, new_bytes));
 }
 
 }  // namespace crumple::detail

@@ -43,7 +43,8 @@ class Cancellation {
         if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "the call was cancelled");
     }
 
-    /// True if a stop of the current call was requested, or the poll function threw in it. For the caller's thread.
+    /// True if a stop of the current call was requested, or the poll function threw during it. Call it only on the
+    /// caller's thread.
     bool stopped() const { return poll_threw_ || stop_.stop_requested(); }
 
    private:

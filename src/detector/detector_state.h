@@ -133,7 +133,7 @@ struct DetectorState {
     /// Guards one call: floating-point environment, cancellation, memory limit. Runs attempt(). If it exceeds the limit
     /// and again(least) returns true, frees everything that earlier calls have cached and runs it once more. `least` is
     /// a lower bound of the bytes that the attempt itself needs. A call that throws leaves an empty result and nothing
-    /// cached; a cancelled call lets the next one free the memory, and so ends sooner.
+    /// cached, except that after a cancelled call the memory is freed by the next call (abandon()).
     template <class Attempt, class Again>
     void run(std::stop_token stop, Attempt attempt, Again again) {
         cancellation.begin(std::move(stop));
@@ -170,7 +170,8 @@ struct DetectorState {
     }
 
    private:
-    // On cuda, always frees at once: freeing waits for the device, which a later launch must not.
+    // Frees everything, or leaves it to the next call if this one was cancelled. The cuda backend always frees at once:
+    // freeing waits for the device, and a later launch must not wait.
     void abandon() {
         if (cancellation.stopped() && working != Backend::cuda)
             left_over = empty_results();

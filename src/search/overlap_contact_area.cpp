@@ -80,7 +80,8 @@ class EnclosedContact {
     EnclosedArea area_;
 };
 
-/// Adds up the common areas of pairs of faces, sorted by their first faces.
+/// Adds the common areas of all pairs to `sum`. Consecutive pairs with the same first face are summed together, so they
+/// should be sorted by it.
 void add_enclosed(const SurfacePair& surfaces, std::span<const Pair> pairs, FixedSum& sum) {
     for (std::size_t i = 0; i < pairs.size();) {
         const std::int32_t face = pairs[i].a;
@@ -101,7 +102,8 @@ void add_exactly(const FaceCorners& a, const FaceCorners& b, RootSum& sum) {
     add_common_area(IntegerProjection{axis}, p, in_units(b, exponent), area);
 }
 
-/// Adds up the common areas of pairs of faces, in parallel chunks. add(surfaces, pairs, sum) adds those of a chunk.
+/// Adds up the common areas of pairs of faces, in parallel chunks. add(surfaces, pairs, sum) adds the areas of a
+/// chunk's pairs to `sum`.
 template <class Sum, class Add>
 Sum sum_of(const SurfacePair& surfaces, std::span<const Pair> pairs, ParallelFor& workers, Cancellation& cancellation,
            Add add) {
@@ -129,7 +131,7 @@ ContactArea find_contact_area(const SurfacePair& surfaces, std::span<const Pair>
     }
     const auto add_pairs = [&](const SurfacePair&, std::span<const Pair> some, RootSum& sum) {
         for (const Pair& pair : some) {
-            cancellation.check();  // rational arithmetic is slow
+            cancellation.check();  // for each pair, because rational arithmetic is slow
             add_exactly(surfaces.corners(0, pair.a), surfaces.corners(1, pair.b), sum);
         }
     };

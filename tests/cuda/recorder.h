@@ -56,10 +56,10 @@ typename Query::DeviceResult replay_until_complete(const Recorder& recorder, con
     }
 }
 
-/// Captures `launch()` and replays it until the result is complete. Where five replays do not suffice, does what the
-/// error message of download() says: launches outside of the capture, and captures again. Reason: the axis of a sweep
-/// may depend on the order of the device's threads, and along another axis more boxes overlap than the graph's lists
-/// hold.
+/// Launches twice to grow buffers, captures `launch()`, and replays it until the result is complete. If five replays do
+/// not suffice, starts again, up to five captures in all, as the error message of download() advises. A new capture may
+/// be needed because the axis of a sweep may depend on the order of the device's threads, and along another axis more
+/// boxes overlap than the graph's lists hold.
 auto capture_until_complete(Recorder& recorder, auto&& launch) {
     for (int capture = 0;; ++capture) {
         for (int call = 0; call < 2; ++call) launch().wait();

@@ -62,7 +62,8 @@ TEST(Array, swap_beyond_a_memory_limit_throws_and_changes_neither_array) {
     }
 }
 
-// Blocks of 32 MiB grow without a copy, smaller ones are copied; the meter counts what is held at each time.
+// Blocks of 32 MiB grow without a copy, smaller ones are copied; after each growth, the meter counts exactly the
+// current block.
 TEST(Array, growth_keeps_elements_and_meter_counts_each_block) {
     for (const std::size_t first : {std::size_t{1000}, std::size_t{8} << 20}) {
         MemoryMeter meter;

@@ -93,8 +93,8 @@ TEST(Cancellation, stop_request_of_another_thread_cancels_find_and_detector_stay
     }
 }
 
-// The next call frees what a cancelled call has left: it needs no more memory than the first call of a new detector.
-TEST(Cancellation, call_after_a_cancelled_one_needs_as_much_memory_as_that_of_a_new_detector) {
+// The next call frees the cancelled call's memory first, so its peak equals that of a new detector.
+TEST(Cancellation, peak_memory_after_a_cancelled_call_equals_that_of_a_new_detector) {
     struct Interrupt {};
     const test::EachCheckPolls each_check_polls;
     const auto large = test::random_soup(20'000, 0.1), small = test::random_soup(500, 0.2);

@@ -115,8 +115,9 @@ void expect_same(const FeatureRecord<moments>& a, const FeatureRecord<moments>& 
     ASSERT_EQ(a.owned, b.owned);
 }
 
-/// `until`: see BuildInput. Corners before the end of the step err by 8 u of their largest coordinate, which is below
-/// 1, and their boxes are widened by 24 u.
+/// Expects the same records and boxes from all kernels as from the scalar ones, up to rounding. `until`: see
+/// BuildInput; below 1, corners of SIMD kernels err by 8 u (coordinates are below 1), and their boxes are widened by 24
+/// u.
 template <int moments>
 void expect_scalar_results(float until = 1) {
     const float corner_error = until < 1 ? 8 * unit_roundoff : 0;
@@ -160,8 +161,8 @@ TEST(FeatureRecords, records_and_boxes_of_a_part_of_the_step_match_the_scalar_ke
     for (const float until : {0.7f, 1e-3f, 1e-30f}) expect_scalar_results<2>(until);
 }
 
-// Boxes of a part of the step contain the corners at its start and its end, with the margin that `sort` adds for
-// rounding, and are smaller than those of the whole step.
+// Boxes of a part of the step contain the corners at the start and at the end of that part, up to a margin of 10 u,
+// less than the 12 u that `sort` adds (box_margin). They are smaller than those of the whole step.
 TEST(FeatureRecords, box_of_a_part_of_the_step_contains_its_start_and_end) {
     const Leaf<2> leaf(487);
     const double u = unit_roundoff;
@@ -179,9 +180,9 @@ TEST(FeatureRecords, box_of_a_part_of_the_step_contains_its_start_and_end) {
                 for (int k = 0; k < 3; ++k) {
                     const std::int32_t corner = input.corners[3 * input.triangle[i] + k];
                     const auto wide = [](const Vec3f& v) { return Vec3d{v.x, v.y, v.z}; };
-                    const auto relative = [&](int moment) {
-                        const auto row = static_cast<std::int32_t>(corner + moment * input.ends);
-                        return input.points[row] - wide(cpu::origin_at<2>(input, moment));
+                    const auto relative = [&](int sample) {
+                        const auto row = static_cast<std::int32_t>(corner + sample * input.ends);
+                        return input.points[row] - wide(cpu::origin_at<2>(input, sample));
                     };
                     const Vec3d start = relative(0), end = relative(1);
                     for (const Vec3d& r : {start, start + 0.25 * (end - start)}) {

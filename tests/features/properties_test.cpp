@@ -224,9 +224,9 @@ TEST_P(FeatureProperties, proximities_are_impacts_at_the_start_within_a_distance
     }
 }
 
-// Once an impact is known, later leaves are built for the motion up to its time.
+// Once an impact is found, later leaves are built for the motion up to its time.
 TEST_P(FeatureProperties, first_impact_among_many_leaves_is_the_first_of_all_impacts) {
-    int inside = 0, many = 0;  // number of first impacts later than at the start, and of soups with many impacts
+    int inside = 0, many = 0;  // numbers of first impacts with toi > 0, and of soups with many impacts
     const auto expect_first = [&](const auto& soup, const ImpactQuery& query) {
         const auto step = soup.view().moving_to(soup.end_view());
         const Impacts all = detector_.find(step, query);

@@ -100,7 +100,7 @@ class LeafOfTwo {
    public:
     using Record = FeatureRecord<moments>;
 
-    /// Builds the leaf in a frame that moves with the mean of the corners.
+    /// Builds the leaf in a frame that moves by the corners' mean displacement.
     LeafOfTwo(const cpu::FeatureTables& table, const TriangleCase& c, bool float32, const LeafFrame& frame,
               const Inflation& inflation)
         : corners_(c.vertex), table_(table), features_(nullptr) {

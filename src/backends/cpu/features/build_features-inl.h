@@ -37,8 +37,8 @@ HWY_INLINE void geometry_rows(D d, const LocalCorners<V>& c, V& X, V& Y, V& Z) {
     Z = hn::InterleaveLower(d, hn::InterleaveUpper(d, c.q0, c.q2), hn::InterleaveUpper(d, c.q1, n));
 }
 
-/// Returns corners at a time between two samples, rounded: they err by 8 u times the largest |coordinate| of the result
-/// and of `start` (docs/features.md).
+/// Returns the corners at `time`, in [0, 1], interpolated between start and end. Each coordinate errs by at most 8 u
+/// times the largest |coordinate| of `start` and of the result, including the errors of the inputs (docs/features.md).
 template <class D, class V>
 HWY_INLINE LocalCorners<V> corners_between(D d, const LocalCorners<V>& start, const LocalCorners<V>& end, float time) {
     const V t = hn::Set(d, time);

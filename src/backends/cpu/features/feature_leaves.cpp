@@ -289,7 +289,7 @@ void FeatureLeaves<moments>::decide_tests(FeatureKind kind, Worker& worker) {
     worker.statistics.rational_tests += counts.rational;
 }
 
-// Returns the earliest toi found so far, or 1, rounded up to a number that is not subnormal.
+// Returns a float32 upper bound, at least 1e-30, of the earliest toi found so far; 1 if none below 1 was found.
 template <int moments>
 float FeatureLeaves<moments>::first_time() const {
     const double known = std::bit_cast<double>(first_time_.load(std::memory_order_relaxed));

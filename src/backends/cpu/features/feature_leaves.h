@@ -65,9 +65,9 @@ class FeatureLeaves final : public LeafQuery {
         GuessBatch guesses;
         Array<Record> built;   ///< in the order of LeafMembers
         Array<Record> sorted;  ///< by physical row (stages/layout.h)
-        float reach = 0;       ///< the leaf's largest |coordinate|; twice that if its records are of a part of the step
-        float farthest = 0;    ///< largest distance requested for a pair of the leaf, apart from a share of the pair's
-                               ///< distance at the start
+        float reach = 0;  ///< extent for NeededGap: the leaf's largest |coordinate|, doubled if BuildInput::until < 1
+        float farthest = 0;  ///< largest distance requested for a pair of the leaf, apart from a share of the pair's
+                             ///< distance at the start
         CandidateChunk candidates;
         Array<std::uint32_t> left;                   ///< candidates that no direction separates, packed as in PairsLeft
         Array<float> distance;                       ///< requested distance of each test, if vertices have radii

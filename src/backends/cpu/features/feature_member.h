@@ -10,29 +10,30 @@
 
 namespace crumple::cpu {
 
-/// Returns the origin of a leaf's frame at the start or at the end of the step.
+/// Returns the origin of a leaf's frame. `sample`: 0 for the start of the step, 1 for its end.
 template <int moments>
-Vec3f origin_at(const BuildInput& in, int moment) {
-    return moments == 1 ? in.frame.origin : in.frame.origin + (static_cast<float>(moment) - 0.5f) * in.drift;
+Vec3f origin_at(const BuildInput& in, int sample) {
+    return moments == 1 ? in.frame.origin : in.frame.origin + (static_cast<float>(sample) - 0.5f) * in.drift;
 }
 
-/// Reads the normalised corners of a triangle, relative to the origin: those at the start, then those at
-/// BuildInput::until.
+/// Reads the normalised corners of a triangle, relative to the frame's origin at the same time: those at the start,
+/// then, if they move, those at BuildInput::until.
 template <int moments>
 void corners_of(const BuildInput& in, std::int32_t triangle, Vec3d (&p)[3 * moments]) {
     const std::int32_t* corner = in.corners + 3 * std::int64_t{triangle};
-    for (int moment = 0; moment < moments; ++moment) {
-        const Vec3f o = origin_at<moments>(in, moment);
+    for (int sample = 0; sample < moments; ++sample) {
+        const Vec3f o = origin_at<moments>(in, sample);
         for (int k = 0; k < 3; ++k)
-            p[3 * moment + k] =
-                in.points[static_cast<std::int32_t>(corner[k] + moment * in.ends)] - Vec3d{o.x, o.y, o.z};
+            p[3 * sample + k] =
+                in.points[static_cast<std::int32_t>(corner[k] + sample * in.ends)] - Vec3d{o.x, o.y, o.z};
     }
     if constexpr (moments == 2)
         for (int k = 0; k < 3 && in.until < 1; ++k) p[3 + k] = p[k] + double{in.until} * (p[3 + k] - p[k]);
 }
 
-/// Returns the length by which a triangle's box is inflated on all sides. `p`: see corners_of(); each coordinate errs
-/// by a few 2^-53 of the largest one, which matters only for shares of nearly 1.
+/// Returns the length by which a triangle's box is inflated on all sides. `p`: see corners_of(). Coordinates of `p` err
+/// by a few 2^-53 of the largest one. The length of each trajectory is increased by 2^-48 of it, which covers these
+/// errors; that matters only for shares of nearly 1.
 template <int moments>
 float widening(const BuildInput& in, std::int32_t triangle, const Vec3d (&p)[3 * moments]) {
     float way = 0;

@@ -16,7 +16,8 @@ namespace crumple::cpu {
 LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const std::int32_t* corners,
                      const LeafMembers& members);
 
-/// Returns the mean motion of up to 32 members, from one corner of each. `ends`: see BuildInput.
+/// Returns the mean displacement during the step of one corner each of up to 32 members; 0 if the scene is static.
+/// `ends`: see BuildInput.
 Vec3f mean_motion(const PointRows& points, const std::int32_t* corners, std::int64_t ends, const LeafMembers& members);
 
 /// Writes the box of the leaf's member i and updates the leaf's bounds, for a `build` without SIMD.

@@ -81,9 +81,10 @@ struct BuildInput {
     LeafFrame frame;
     std::int64_t ends = 0;  ///< rows from a vertex's start position to its end position in `points`; 0: static
     Inflation inflation = {};
-    /// Mean motion of the members. Queries about motion use a frame that moves with it, in which paths are shorter.
+    /// Mean displacement of the members during the step. For queries about motion, the origin of the leaf's frame moves
+    /// by it, which shortens trajectories.
     Vec3f drift = {};
-    /// Boxes and records are those of the motion from the start of the step, 0, to this time; 1: the whole step.
+    /// End of the part of the step, which starts at 0, that boxes and records cover; 1: the whole step.
     float until = 1;
 };
 
