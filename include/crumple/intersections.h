@@ -107,8 +107,8 @@ struct IntersectionQuery {
     ///
     /// For worlds and two meshes, with `kind` all, without PairScope::within of bodies, and without filters of groups
     /// if shapes have groups. With `weld`, which also closes the seams of each body, `neighbours` has to be geometric,
-    /// and vertices that are merged with a vertex of the other body are not tested for being inside. Not with the cuda
-    /// backend. Additional cost: for bodies whose boxes overlap and whose surfaces do not meet, one ray for each
+    /// and vertices that are merged with a vertex of the other body are not tested for being inside. Meshes must be in
+    /// host memory. Additional cost: for bodies whose boxes overlap and whose surfaces do not meet, one ray for each
     /// component that lies in the other's box.
     bool containment = false;
     /// For `containment`: treatment of bodies whose surfaces are not closed, in pairs whose boxes overlap and whose

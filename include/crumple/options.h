@@ -33,7 +33,8 @@ struct FuzzyCMeans {
 /// Configuration of a Detector. No option changes a result, only its cost.
 struct Options {
     Backend backend = Backend::automatic;
-    /// Threads of the cpu backend, at most 1024, started when the detector is made; 0: as many as the machine has.
+    /// Threads of the cpu backend, at most 1024, started when the detector is made; 0: as many as the machine has. With
+    /// the cuda backend, threads for what the host computes (docs/cuda.md), started when they are first needed.
     /// Threads beyond oneTBB's limit for the process (tbb::global_control) are not used.
     int threads = 0;
 

@@ -116,7 +116,7 @@ class IntersectionQuery(Query):
         True: a body inside another one counts in the outputs "any", "any_by_world" and "body_pairs", but never as pairs
         of triangles. Intersections.inside marks such pairs of bodies. Two bodies count if their surfaces meet, or
         otherwise if a component of one has a vertex at which the winding number of the other's surface is not 0. For
-        worlds and two meshes, with `kind` "all", with the cpu and the reference backend.
+        worlds and two meshes, with `kind` "all". Meshes must be in host memory.
     open : {"error", "skip"}, default "error"
         With `containment`, treatment of bodies whose surface is not closed, if they are in a pair whose boxes overlap
         and whose surfaces do not meet. "error": raises InvalidInput; "skip": nothing counts as inside such a body, and
@@ -377,7 +377,7 @@ class DistanceQuery(Query):
 
     Notes
     -----
-    Supported by the cpu and the reference backend. Cost: with named shapes, which are cached, a few to some ten
+    With the cuda backend, the host computes distances. Cost: with named shapes, which are cached, a few to some ten
     microseconds per pair of bodies. More in docs/nearest.md.
     """
 
@@ -422,7 +422,8 @@ class OverlapQuery(Query):
 
     Notes
     -----
-    Supported by the cpu and the reference backend. More in docs/overlap.md.
+    With the cuda backend, the device finds the triangles that intersect, and the host computes the rest. More in
+    docs/overlap.md.
     """
 
     output: Literal["any", "any_by_world", "body_pairs", "pairs"] = "pairs"

@@ -44,15 +44,14 @@ struct Detector::Implementation : MeshCalls {
         const bool some_on_device = (mesh && on_device(*mesh)) || (two && (on_device(two->a) || on_device(two->b)));
         const bool on_cuda = working == Backend::cuda;
         if constexpr (intersections) {
-            if (query.containment && on_cuda) return "containment needs the cpu backend (Options::backend)";
             if (query.containment && !two && !world) return "containment needs bodies: a world or two meshes";
         }
-        if (distances && on_cuda) return "distances of bodies need the cpu backend (Options::backend)";
-        if (overlaps && on_cuda) return "overlaps of bodies need the cpu backend (Options::backend)";
         if (distances && mesh) return "distances need bodies: a world or two meshes";
         if ((distances || overlaps || OneOf<Query, CandidateQuery, FreeStepQuery>)&&!mesh && !two && !world)
             return "parts support only intersections, impacts and proximities";
         if (some_on_device && !on_cuda) return "meshes in device memory need the cuda backend (Options::backend)";
+        if constexpr (intersections)
+            if (some_on_device && query.containment) return "containment needs meshes in host memory";
         if (some_on_device && two && !intersections)
             return "two meshes must be in host memory, except for intersections";
         if (world && lies_on_device(*world) && !on_cuda)
@@ -85,14 +84,19 @@ struct Detector::Implementation : MeshCalls {
         };
         if (const auto* world = std::get_if<World>(&scene.source())) return of(PosedOnHost(*backend, *world).world());
         const MeshView* mesh = std::get_if<MeshView>(&scene.source());
-        if (!mesh || mesh->memory == MemorySpace::host) return of(scene);
         HostShape copy;
-        copy_to_host(*mesh, copy);
-        MeshView on_host(copy.shape.vertices, copy.shape.triangles, copy.shape.groups);
-        on_host.end = copy.shape.end;
-        on_host.edges = copy.shape.edges;
-        on_host.points = copy.shape.points;
-        return of(on_host);
+        return mesh ? of(in_host_memory(*mesh, copy)) : of(scene);
+    }
+
+    /// Returns the mesh itself or, if it is in device memory, a view of its copy, which is written to `copy`.
+    MeshView in_host_memory(const MeshView& mesh, HostShape& copy) {
+        if (mesh.memory == MemorySpace::host) return mesh;
+        copy_to_host(mesh, copy);
+        MeshView view(copy.shape.vertices, copy.shape.triangles, copy.shape.groups);
+        view.end = copy.shape.end;
+        view.edges = copy.shape.edges;
+        view.points = copy.shape.points;
+        return view;
     }
 
     /// Returns the world as queries of this type read it: without end poses, unless the type reads them.
@@ -117,13 +121,14 @@ struct Detector::Implementation : MeshCalls {
                 return find(mesh, nullptr, query, std::move(stop));
             else if constexpr (FeatureQuery<Query>)
                 return find(mesh, query, std::move(stop));
-            else if constexpr (std::same_as<Query, OverlapQuery>)
-                return as_world(mesh, nullptr, [&](const World& world) -> const Result& {
+            else if constexpr (std::same_as<Query, OverlapQuery>) {
+                HostShape copy;
+                return as_world(in_host_memory(mesh, copy), nullptr, [&](const World& world) -> const Result& {
                     OverlapQuery with_itself = query;
                     with_itself.self_overlaps = true;
                     return find(world, with_itself, std::move(stop));
                 });
-            else
+            } else
                 return result_of(query);  // refused
         };
         const auto of_two = [&](const TwoMeshes& meshes) -> const Result& {

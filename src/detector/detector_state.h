@@ -48,6 +48,7 @@ struct DetectorState {
     FeatureSearch features{meter, cancellation, named};
     Backend working = Backend::cpu;  ///< type of `backend`
     std::unique_ptr<BackendBase> backend;
+    std::unique_ptr<BackendBase> beside_device;  ///< see host_backend(); null until it is used
     std::string fallback;
     /// Results of a cancelled call. The next call frees them, and all that is cached, before anything else.
     std::optional<std::tuple<Intersections, Impacts, Proximities, Candidates, Distances, Overlaps>> left_over;
@@ -92,6 +93,13 @@ struct DetectorState {
         return make_cpu_backend(options, meter, cancellation);
     }
 
+    /// Returns the backend for what is computed on the host: `backend`, or with cuda a cpu backend.
+    BackendBase& host_backend() {
+        if (working != Backend::cuda) return *backend;
+        if (!beside_device) beside_device = make_cpu_backend(options, meter, cancellation);
+        return *beside_device;
+    }
+
     /// Empties all results, and returns what they contained.
     auto empty_results() {
         return std::tuple(
@@ -104,6 +112,7 @@ struct DetectorState {
         left_over.reset();
         empty_results();
         backend->release();
+        if (beside_device) beside_device->release();
         buffers = SceneBuffers(&meter);
         worlds.release();
         nearest.release();

@@ -116,7 +116,7 @@ void WorldCalls::copy_to_host(const DeviceShape& mesh, HostShape& copy) {
         [](std::int64_t) { return false; });
 }
 void WorldCalls::copy_to_host(const MeshView& mesh, HostShape& copy) {
-    copy_to_host({shape_of(mesh, ImpactQuery()), mesh.stream}, copy);
+    copy_to_host({shape_of(mesh, CandidateQuery()), mesh.stream}, copy);  // with vertices at the end, if there are any
 }
 
 template <FeatureQuery Query>

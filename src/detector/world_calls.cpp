@@ -39,14 +39,16 @@ void WorldCalls::search(const World& world, const IntersectionQuery& query, cons
     check_query_options(query);
     if (query.containment) check_containment(query, world);
     check_bodies_have_triangles(world, query.filter, true, "only triangles intersect");
-    if (!blocks && working == Backend::cuda && lies_on_device(world) && try_on_device(world, query)) return;
+    const bool on_device = !blocks && !query.containment && working == Backend::cuda && lies_on_device(world);
+    if (on_device && try_on_device(world, query)) return;
     const PosedOnHost there(*backend, world);
     if (working == Backend::reference && query.containment)
         find_with_containment_by_brute_force(there.world(), query, meter, cancellation, result);
     else if (working == Backend::reference)
         find_by_brute_force(there.world(), query, meter, cancellation, result, blocks);
     else if (query.containment)
-        find_with_containment(*backend, worlds, closed_bodies, there.world(), query, meter, cancellation, result);
+        find_with_containment(*backend, host_backend(), worlds, closed_bodies, there.world(), query, meter,
+                              cancellation, result);
     else
         worlds.find(*backend, there.world(), query, result, blocks);
 }
@@ -81,7 +83,7 @@ const Distances& WorldCalls::find(const World& world, const DistanceQuery& query
         if (working == Backend::reference)
             find_nearest_by_brute_force(there.world(), query, meter, cancellation, nearest_search);
         else
-            nearest.find(*backend, there.world(), query, low_memory, nearest_search);
+            nearest.find(host_backend(), there.world(), query, low_memory, nearest_search);
     };
     run(std::move(stop), attempt, [&](std::int64_t) { return low_memory = true; });
     nearest_search.count = static_cast<std::int64_t>(nearest_search.bodies.size());
@@ -97,10 +99,11 @@ const Overlaps& WorldCalls::find(const World& world, const OverlapQuery& query, 
     run_with_retry(overlaps, std::move(stop), [&](bool) {
         check_query_options(query, world);
         check_bodies_have_triangles(world, query.filter, false, "only triangles enclose a volume");
+        const PosedOnHost there(*backend, world);
         if (working == Backend::reference)
-            find_overlaps_by_brute_force(world, query, meter, cancellation, overlaps);
+            find_overlaps_by_brute_force(there.world(), query, meter, cancellation, overlaps);
         else
-            overlap_search.find(*backend, worlds, world, query, overlaps);
+            overlap_search.find(*backend, host_backend(), worlds, there.world(), query, overlaps);
     });
     overlaps.statistics.pairs = overlaps.count;
     return overlaps;

@@ -66,14 +66,15 @@ void OverlapSearch::release() {
     candidates_.clear();
 }
 
-void OverlapSearch::find(BackendBase& backend, WorldSearch& worlds, const World& given, const OverlapQuery& query,
-                         Overlaps& result) {
+void OverlapSearch::find(BackendBase& backend, BackendBase& host, WorldSearch& worlds, const World& given,
+                         const OverlapQuery& query, Overlaps& result) {
+    host_ = &host;
     query_ = query;
     World world = given;
     std::vector<Body> bodies(given.bodies.begin(), given.bodies.end());
     for (Body& body : bodies) body.self = query.self_overlaps;
     world.bodies = bodies;
-    bodies_.read(backend, world, query.filter, query.weld);
+    bodies_.read(host, world, query.filter, query.weld);
     begin(query, outline().worlds(), outline().bodies(), result);
     add_skipped(list_candidates(), result);
     // If only flags are requested, most of them are set by surfaces that meet, and the search for such surfaces ends
@@ -105,7 +106,7 @@ void OverlapSearch::find_pairs_of_two(BackendBase& backend) {
     };
     Candidate& candidate = candidates_[0];
     const MeshView a = mesh(candidate.bodies.first), b = mesh(candidate.bodies.second);
-    backend.find(prepare_scene(a, &b, false, backend, buffers_of_two_), IntersectionQuery(), nullptr, found_);
+    backend.find(prepare_scene(a, &b, false, *host_, buffers_of_two_), IntersectionQuery(), nullptr, found_);
     std::swap(pairs_, found_.pairs);
     candidate.begin = 0;
     candidate.end = pairs_.size();
@@ -119,7 +120,7 @@ void OverlapSearch::find_flags(BackendBase& backend, WorldSearch& worlds, const 
     Array<BodyPair> apart(&meter_);
     for (const Candidate& candidate : candidates_) apart.push_back(candidate.bodies);
     leave_undecided(outline(), query_.output, found_, apart);
-    ContainedBodies(meter_, cancellation_, bodies_, false).add(backend, apart.span(), query_.output, found_);
+    ContainedBodies(meter_, cancellation_, bodies_, false).add(*host_, apart.span(), query_.output, found_);
     result.any = found_.any;
     std::copy(found_.world_hit.begin(), found_.world_hit.end(), result.world_hit.begin());
     result.statistics = found_.statistics;
@@ -140,11 +141,11 @@ void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const W
     std::vector<OverlapRow> rows(candidates_.size());
     std::atomic<std::int64_t> rational{0};
     std::atomic<bool> enough{false};
-    backend.parallel_for(candidates_.size(), [&](std::size_t i) {
+    host_->parallel_for(candidates_.size(), [&](std::size_t i) {
         if (enough.load(std::memory_order_relaxed)) return;
         cancellation_.check();
         bool was_exact = false;
-        rows[i] = row_of(backend, candidates_[i], was_exact);
+        rows[i] = row_of(candidates_[i], was_exact);
         memory.add(bytes_of(rows[i]));
         if (was_exact) rational.fetch_add(1, std::memory_order_relaxed);
         if (query_.output == Output::any && is_in_result(query_, rows[i]))
@@ -193,12 +194,12 @@ std::vector<std::int32_t> OverlapSearch::list_candidates() {
     return open;
 }
 
-OverlapRow OverlapSearch::row_of(BackendBase& backend, const Candidate& candidate, bool& was_exact) const {
+OverlapRow OverlapSearch::row_of(const Candidate& candidate, bool& was_exact) const {
     Array<Vec3d> points_a = bodies_.metered_points(), points_b = bodies_.metered_points();
     const auto [first, second] = candidate.bodies;
     const PlacedSurface a = bodies_.place(first, points_a);
     const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
-    OverlapOfBodies overlap(backend, backend.overlap_kernels(), meter_, cancellation_);
+    OverlapOfBodies overlap(*host_, host_->overlap_kernels(), meter_, cancellation_);
     const bool numbers = query_.output == Output::pairs;
     OverlapOfBodies::Request request{.numbers = numbers,
                                      .gradient = numbers && query_.gradient,

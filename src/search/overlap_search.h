@@ -1,7 +1,7 @@
 #pragma once
 
-// Finds the overlaps of bodies of worlds, on any backend that runs on the host: the backend finds the pairs of
-// triangles that intersect, and sums over these make a row for each pair of bodies (search/overlap_row.h).
+// Finds the overlaps of bodies of worlds: a backend finds the pairs of triangles that intersect, and sums over these,
+// on the host, make a row for each pair of bodies (search/overlap_row.h).
 //
 //   bodies  --search of worlds----------->  pairs of triangles that intersect, by pair of bodies
 //           --containment/closed_bodies.h-> pairs of bodies whose boxes overlap, of closed surfaces
@@ -25,9 +25,10 @@ class OverlapSearch {
     /// `bodies` caches the surfaces of shapes between calls.
     OverlapSearch(MemoryMeter& meter, Cancellation& cancellation, ClosedBodies& bodies);
 
-    /// `worlds` finds the pairs of triangles that intersect.
-    void find(BackendBase& backend, WorldSearch& worlds, const World& world, const OverlapQuery& query,
-              Overlaps& result);
+    /// `worlds` finds the pairs of triangles that intersect, by `backend`; all else is computed by the threads and
+    /// kernels of `host`, a backend that runs on the host.
+    void find(BackendBase& backend, BackendBase& host, WorldSearch& worlds, const World& world,
+              const OverlapQuery& query, Overlaps& result);
 
     /// Frees all memory, except for the surfaces.
     void release();
@@ -45,13 +46,14 @@ class OverlapSearch {
     void find_flags(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result);
     void sort_pairs();
     void find_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result);
-    OverlapRow row_of(BackendBase& backend, const Candidate& candidate, bool& was_exact) const;
+    OverlapRow row_of(const Candidate& candidate, bool& was_exact) const;
     const WorldOutline& outline() const { return bodies_.outline(); }
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;
     ClosedBodies& bodies_;
     // State of the current call:
+    BackendBase* host_ = nullptr;
     OverlapQuery query_;
     SceneBuffers buffers_of_two_;
     Intersections found_;

@@ -317,8 +317,6 @@ TEST(CudaDeviceWorlds, unsupported_calls_are_rejected) {
               "index must be false: launches make offsets by world only");
     EXPECT_EQ(message_of([&] { cuda.launch(device.view(), {.output = Output::any, .containment = true}); }),
               "containment must be false: launches do not support it");
-    EXPECT_EQ(message_of([&] { cuda.find(world->view(), {.output = Output::any, .containment = true}); }),
-              "containment needs the cpu backend (Options::backend)");
     EXPECT_EQ(message_of([&] { cuda.launch(world->view()); }), "launches of worlds need poses in device memory");
     EXPECT_EQ(message_of([&] { cpu.launch(device.view()); }),
               "poses in device memory need the cuda backend (Options::backend)");

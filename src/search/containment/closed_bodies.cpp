@@ -16,16 +16,16 @@ void ClosedBodies::release() {
     surfaces_.clear();
 }
 
-void ClosedBodies::read(BackendBase& backend, const World& world, const PairFilter& filter, bool weld) {
+void ClosedBodies::read(ParallelFor& workers, const World& world, const PairFilter& filter, bool weld) {
     outline_.read(world, filter);
     rules_.prepare(filter);
-    read_surfaces(backend, weld);
+    read_surfaces(workers, weld);
     near_.prepare(outline_, [&](std::int32_t b) {
         return surface_of(b).empty ? no_bounds : outline_.placement(b)(surface_of(b).box);
     });
 }
 
-void ClosedBodies::read_surfaces(BackendBase& backend, bool weld) {
+void ClosedBodies::read_surfaces(ParallelFor& workers, bool weld) {
     const auto& shapes = outline_.world().shapes;
     surfaces_.resize(shapes.size());
     for (std::size_t s = 0; s < shapes.size(); ++s) {
@@ -33,8 +33,8 @@ void ClosedBodies::read_surfaces(BackendBase& backend, bool weld) {
         if (!surfaces_[s]) surfaces_[s] = std::make_unique<Surface>(&meter_);
         Surface& surface = *surfaces_[s];
         const PreparedScene scene =
-            prepare_scene(MeshView(shapes[s].vertices, shapes[s].triangles), nullptr, weld, backend, buffers_);
-        surface.closed.prepare(scene, backend);
+            prepare_scene(MeshView(shapes[s].vertices, shapes[s].triangles), nullptr, weld, workers, buffers_);
+        surface.closed.prepare(scene, workers);
         surface.empty = shapes[s].triangles.rows == 0;
         surface.box = CentredBox({scene.low, scene.high});
     }

@@ -29,7 +29,7 @@ class ClosedBodies {
 
     /// Reads a world, whose arrays must outlive the use of this object. `weld`: merges vertices of a shape at equal
     /// positions. Throws Error (invalid_argument). Cost: O(triangles of the shapes).
-    void read(BackendBase& backend, const World& world, const PairFilter& filter, bool weld);
+    void read(ParallelFor& workers, const World& world, const PairFilter& filter, bool weld);
     /// Frees all memory.
     void release();
 
@@ -67,7 +67,7 @@ class ClosedBodies {
     const Surface& surface_of(std::int32_t body) const {
         return *surfaces_[static_cast<std::size_t>(outline_.body(body).shape)];
     }
-    void read_surfaces(BackendBase& backend, bool weld);
+    void read_surfaces(ParallelFor& workers, bool weld);
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;

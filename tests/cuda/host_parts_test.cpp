@@ -1,0 +1,128 @@
+// Tests of queries that the cuda backend computes on the host in whole or in part: overlaps, containment and distances.
+// Results equal those of the cpu backend byte by byte.
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "cuda/device_mesh.h"
+#include "cuda/device_world.h"
+#include "cuda_on_cpu/machine/settings.h"
+#include "distances/compare_nearest.h"
+#include "error_of.h"
+#include "overlaps/closed_bodies.h"
+
+namespace crumple::test {
+namespace {
+
+const OverlapQuery everything{.self_overlaps = true, .gradient = true, .curves = true, .windings = true};
+
+/// Compares all queries of this file about one world; returns the number of rows.
+std::int64_t compare(Detector& cuda, Detector& cpu, const World& there, const World& here) {
+    std::int64_t rows = 0;
+    for (const OverlapQuery& query :
+         {OverlapQuery(), everything, OverlapQuery{.output = Output::any_by_world, .min_volume = 0.1},
+          OverlapQuery{.output = Output::any}}) {
+        const Overlaps& found = cuda.find(there, query);
+        EXPECT_EQ(difference(found, cpu.find(here, query)), "");
+        if (found.statistics.box_overlaps > 0) {
+            EXPECT_EQ(found.statistics.backend, "cuda");
+        }
+        rows += found.count;
+    }
+    for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs}) {
+        const IntersectionQuery query{.output = output, .containment = true};
+        EXPECT_EQ(difference(cuda.find(there, query), cpu.find(here, query)), "");
+    }
+    for (const Output output : {Output::pairs, Output::nearest}) {
+        const DistanceQuery query{.output = output};
+        EXPECT_TRUE(same_nearest(cuda.find(there, query), cpu.find(here, query)));
+    }
+    return rows;
+}
+
+ClosedBodies bodies_of_worlds(unsigned seed) {
+    ClosedBodies bodies = closed_bodies(seed, 6, seed % 2 == 0, seed % 2 != 0);
+    for (std::size_t b = 0; b < 6; ++b) bodies.bodies[b].world = b == 5 ? -1 : static_cast<std::int32_t>(b / 2);
+    return bodies;
+}
+
+TEST(CudaHostParts, queries_about_bodies_match_the_cpu) {
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    std::int64_t rows = 0;
+    for (unsigned seed = 0; seed < 8; ++seed) {
+        SCOPED_TRACE(seed);
+        const ClosedBodies bodies = bodies_of_worlds(seed);
+        rows += compare(cuda, cpu, bodies.view(), bodies.view());
+        const DeviceWorld device(bodies.view());
+        rows += compare(cuda, cpu, device.view(), bodies.view());
+    }
+    EXPECT_GT(rows, 20);
+}
+
+TEST(CudaHostParts, two_meshes_match_the_cpu) {
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    std::int64_t rows = 0;
+    for (unsigned seed = 0; seed < 8; ++seed) {
+        SCOPED_TRACE(seed);
+        const ClosedBodies bodies = closed_bodies(seed, 2, seed % 2 == 0, false);
+        const Scene two{bodies.soups[0].view(), bodies.soups[1].view()};
+        EXPECT_EQ(difference(cuda.find(two, everything), cpu.find(two, everything)), "");
+        EXPECT_TRUE(same_nearest(cuda.find(two, DistanceQuery()), cpu.find(two, DistanceQuery())));
+        const IntersectionQuery inside{.output = Output::body_pairs, .containment = true};
+        const Intersections& found = cuda.find(two, inside);
+        EXPECT_EQ(difference(found, cpu.find(two, inside)), "");
+        rows += static_cast<std::int64_t>(found.bodies.size());
+    }
+    EXPECT_GT(rows, 3);
+}
+
+TEST(CudaHostParts, overlap_of_a_device_mesh_with_itself_matches_the_cpu) {
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    int overlapping = 0;
+    for (unsigned seed = 0; seed < 6; ++seed) {
+        const ClosedBodies bodies = closed_bodies(seed, 2, true, false);
+        const Soup<double> both = joined(bodies.soups[0], bodies.soups[1]);
+        const DeviceMesh device(both.view());
+        const Overlaps& found = cuda.find(device.view(), everything);
+        EXPECT_EQ(difference(found, cpu.find(both.view(), everything)), "") << seed;
+        overlapping += found.any;
+    }
+    EXPECT_GT(overlapping, 0);
+}
+
+TEST(CudaHostParts, several_devices_match_the_cpu) {
+    cuda_on_cpu::settings().devices = 2;
+    Options two;
+    two.backend = Backend::cuda;
+    two.devices = {0, 1};
+    {
+        Detector several(two), cpu({.backend = Backend::cpu});
+        std::int64_t rows = 0;
+        for (unsigned seed = 0; seed < 3; ++seed) {
+            const ClosedBodies bodies = bodies_of_worlds(seed);
+            rows += compare(several, cpu, bodies.view(), bodies.view());
+        }
+        EXPECT_GT(rows, 5);
+    }
+    cuda_on_cpu::settings().devices = 1;
+}
+
+TEST(CudaHostParts, containment_of_device_meshes_is_rejected) {
+    Detector cuda({.backend = Backend::cuda});
+    const ClosedBodies bodies = closed_bodies(1, 2, true, false);
+    const DeviceMesh a(bodies.soups[0].view()), b(bodies.soups[1].view());
+    const IntersectionQuery query{.output = Output::any, .containment = true};
+    EXPECT_FALSE(cuda.supports(Scene{a.view(), b.view()}, query));
+    EXPECT_STREQ(error_of([&] {
+                     cuda.find(Scene{a.view(), b.view()}, query);
+                 }).what(),
+                 "containment needs meshes in host memory");
+    EXPECT_STREQ(error_of([&] {
+                     cuda.find(Scene{a.view(), b.view()}, OverlapQuery());
+                 }).what(),
+                 "two meshes must be in host memory, except for intersections");
+}
+
+}  // namespace
+}  // namespace crumple::test
