@@ -176,8 +176,8 @@ class CRUMPLE_API Detector {
     ///
     /// At most two launches of any kind may be in flight, on one stream or two; wait for them in their order. A third
     /// throws Error (invalid_argument) and leaves them in flight. Launches share scratch lists on the device, so the
-    /// device runs one after the other. Any other call of the detector, except those of tickets, first completes the
-    /// launches in flight and discards their results.
+    /// device runs one after the other. Any other call of the detector that uses the device, except those of tickets,
+    /// first completes the launches in flight and discards their results.
     ///
     /// On a stream that is being captured, the query becomes part of the caller's graph, and each replay repeats the
     /// query on the current contents of the arrays. First make two calls outside of the capture, with the same query

@@ -106,8 +106,8 @@ struct World {
     /// Poses at the end of a step, for queries about motion: each posed vertex moves straight from start to end. Empty:
     /// the same as `poses`.
     std::span<const Pose> end_poses = {};
-    /// Replaces `poses`: one per body, with the cuda backend only. Intersections are found on the device; for all other
-    /// queries the call copies the poses to the host.
+    /// Replaces `poses`: one per body, with the cuda backend only. Intersections are found on the device; for
+    /// containment and all other queries the call copies the poses to the host.
     DevicePoses device_poses = {};
     DevicePoses device_end_poses = {};  ///< replaces `end_poses` if device_poses are given
 };

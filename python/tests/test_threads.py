@@ -208,7 +208,7 @@ def test_interrupt_leaves_the_search_of_another_thread_running():
 def test_a_signal_handler_cannot_call_the_detector_it_interrupts():
     program = """
         import signal, crumple
-        mesh = crumple.make_scene("soup", triangles=2000)
+        mesh = crumple.make_scene("soup", triangles=6000)  # a call takes far longer than the 20 ms between checks
         detector = crumple.Detector(backend="reference")
         interrupted = []
 
