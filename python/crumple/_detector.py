@@ -50,7 +50,7 @@ class Detector(_core.Detector):
         brute force in rational arithmetic, for comparisons.
     threads : int, default 0
         Number of threads of the cpu backend, which start when the detector is made. 0: as many as the machine has.
-        Larger numbers use no more than that.
+        Larger numbers use no more than that. With the cuda backend: of what the host computes (docs/cuda.md).
     memory_limit : int, default 0
         Number of bytes that the detector may own; 0: no limit. Results that Python still uses are not counted. A search
         that exceeds the limit is cut into chunks and runs on one thread. If that does not suffice, the call raises
