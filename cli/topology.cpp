@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <span>
 #include <utility>
 
+#include "base/disjoint_sets.h"
 #include "exact/intersection/contact.h"
 #include "geometry/predicates.h"
 #include "io/meshes/weld.h"
@@ -45,33 +45,8 @@ bool is_degenerate(const Triangle& triangle) {
 
 }  // namespace
 
-namespace {
-
-/// Disjoint sets of vertices, each represented by its lowest vertex.
-class DisjointSets {
-   public:
-    explicit DisjointSets(std::int64_t count) : parents_(static_cast<std::size_t>(count)) {
-        std::iota(parents_.begin(), parents_.end(), 0);
-    }
-    std::int32_t root(std::int32_t v) {
-        while (parent(v) != v) v = parent(v) = parent(parent(v));
-        return v;
-    }
-    void join(std::int32_t a, std::int32_t b) {
-        const std::int32_t p = root(a), q = root(b);
-        parent(std::max(p, q)) = std::min(p, q);
-    }
-
-   private:
-    std::int32_t& parent(std::int32_t v) { return parents_[static_cast<std::size_t>(v)]; }
-
-    std::vector<std::int32_t> parents_;
-};
-
-}  // namespace
-
 std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int32_t>& labels) {
-    DisjointSets sets(mesh.vertex_count());
+    DisjointSets sets(static_cast<std::size_t>(mesh.vertex_count()));
     for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
         const std::int32_t* const c = corners_of(mesh, t);
         sets.join(c[0], c[1]);
@@ -81,7 +56,7 @@ std::int32_t label_components(const io::TriangleMesh& mesh, std::vector<std::int
     std::int32_t count = 0;
     labels.resize(static_cast<std::size_t>(mesh.triangle_count()));
     for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
-        std::int32_t& label = number[static_cast<std::size_t>(sets.root(*corners_of(mesh, t)))];
+        std::int32_t& label = number[static_cast<std::size_t>(sets.find(*corners_of(mesh, t)))];
         if (label < 0) label = count++;
         labels[static_cast<std::size_t>(t)] = label;
     }
@@ -144,11 +119,11 @@ std::optional<FlippedEdge> find_flipped(std::int32_t lower, std::span<const Dire
 }
 
 std::int64_t count_parts(const std::vector<Edge>& edges, std::int64_t vertices) {
-    DisjointSets sets(vertices);
+    DisjointSets sets(static_cast<std::size_t>(vertices));
     for (const Edge& edge : edges) sets.join(edge.a, edge.b);
     std::vector<std::int32_t> roots;
     roots.reserve(edges.size());
-    for (const Edge& edge : edges) roots.push_back(sets.root(edge.a));
+    for (const Edge& edge : edges) roots.push_back(sets.find(edge.a));
     std::sort(roots.begin(), roots.end());
     return std::unique(roots.begin(), roots.end()) - roots.begin();
 }

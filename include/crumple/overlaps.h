@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "crumple/array.h"
 #include "crumple/intersections.h"
@@ -40,6 +41,21 @@ struct OverlapQuery {
     bool gradient = false;  ///< also makes the derivatives of volumes by vertices
     bool curves = false;    ///< also makes the curves in which surfaces cross; not for a body with itself
     bool windings = false;  ///< also makes the winding numbers at vertices
+    bool extents = false;   ///< also makes boxes and thicknesses of overlaps; not for a body with itself
+    /// Also makes the depths of vertices of each body inside the other one; not for a body with itself.
+    bool depths = false;
+    /// Above 0: also makes bounds on the greatest depth of any point, which differ by at most this, in units of length
+    /// (Overlaps::depth_bound). Not for a body with itself.
+    double depth_tolerance = 0;
+    /// Directions along which the second body of each pair is moved away from the first one (Overlaps::withdrawals);
+    /// finite, not 0, of any length.
+    std::vector<std::array<double, 3>> directions = {};
+    bool translation = false;  ///< also makes bounds on the least translation that separates two bodies
+    /// States that all bodies are solids: their winding numbers are 0 and 1 only. Overlaps::translation_low relies on
+    /// it: if it is wrong, that number may be too large. With self_overlaps it is computed instead of stated.
+    bool solids = false;
+    bool unions = false;   ///< also makes volumes of unions and differences; not for a body with itself
+    bool regions = false;  ///< also makes the connected regions of each overlap; not for a body with itself
     /// Filters of groups use the group id of each body, and are an error if a shape has groups of triangles;
     /// PairScope::within of bodies is an error, too.
     PairFilter filter = {};
@@ -90,6 +106,50 @@ struct Overlaps {
     /// Total common area of coplanar triangles of both bodies, whichever way they face. Correctly rounded.
     Array<double> contact_area;
 
+    /// For OverlapQuery::extents or regions: box of the overlap, rounded outwards, as x, y, z of its low and of its
+    /// high corner; and its thickness, the length of the interval of normal · x over all points x of the overlap,
+    /// correctly rounded. Both include parts of surfaces that enclose no volume. The box is NaN if an overlap has no
+    /// extent, as for bodies that touch at a point, and for a body with itself; the thickness also if the normal is.
+    Array<std::array<double, 6>> box;
+    Array<double> thickness;
+
+    /// For OverlapQuery::unions, with the volumes v = ∫ w dx of both bodies: v_first + v_second − volume, and v_first −
+    /// volume and v_second − volume, each an exact sum, rounded once. For solids they are the volume of the union, and
+    /// of each body without the other. intersection_over_union is volume / union_volume, within 2 units in the last
+    /// place, NaN if the union has no volume. All are NaN for a body with itself, and if a surface is not closed.
+    Array<double> union_volume, intersection_over_union;
+    Array<std::array<double, 2>> difference_volume;
+
+    /// For OverlapQuery::depths: the vertices of each body inside the other one, with the same layout as the gradient.
+    /// The depth of a vertex is its distance to the other body's surface, correctly rounded; depth_points has the
+    /// closest point of that surface, each coordinate correctly rounded, and depth_triangles its triangle, the lowest
+    /// of several. A vertex is inside if the winding number there is not 0 and it does not lie on the surface.
+    Array<std::int64_t> depth_offsets;
+    Array<BodyVertex> depth_vertices;
+    Array<double> depths;
+    Array<std::array<double, 3>> depth_points;
+    Array<std::int32_t> depth_triangles;
+    Array<std::int64_t> deepest;  ///< by row: index of the first of its greatest depths, or −1 if it has none
+    /// For OverlapQuery::depth_tolerance: bounds on the greatest depth of a row. Some point of one body's surface
+    /// inside the other body has at least the depth depth_reached, and no such point is deeper than depth_bound. The
+    /// bounds differ by more than the tolerance if that is below 2^-20 of the diagonal of the intersection of both
+    /// bodies' boxes, or if it would take millions of steps. NaN for a body with itself, and if a surface is not
+    /// closed.
+    Array<double> depth_reached, depth_bound;
+
+    /// For OverlapQuery::directions, k of them: withdrawals[k i + j] is the greatest t ≥ 0 at which the first body of
+    /// row i and its second body, moved by t · directions[j], still have a common point, in units of the direction; so
+    /// they are apart for every greater t. 0 if there is no such t. The least float64 that is not below it; infinity
+    /// beyond the largest. NaN for a body with itself. Surfaces need not be closed.
+    Array<double> withdrawals;
+    /// For OverlapQuery::translation: bounds on the length of the least translation that separates two bodies. The
+    /// lower one holds for every path of translations, and is NaN unless it is stated (OverlapQuery::solids) or
+    /// proved that both bodies are solids. The upper one is the least withdrawal along the row's normal, its opposite
+    /// and OverlapQuery::directions, and `translation` is how to move the second body for it, each coordinate rounded
+    /// once; NaN if there is no such direction. All are NaN for a body with itself.
+    Array<double> translation_low, translation_high;
+    Array<std::array<double, 3>> translation;
+
     /// For OverlapQuery::gradient: the derivatives of volume i by the vertices of both bodies are gradient[j], j in
     /// [gradient_offsets[i], gradient_offsets[i + 1]), sorted by body and vertex; those that are 0 are left out. Their
     /// sum over the first body is the area vector. With `weld`, the derivative for merged vertices is listed at the one
@@ -115,6 +175,23 @@ struct Overlaps {
     Array<std::array<double, 3>> curve_points;  ///< each coordinate correctly rounded
     /// By point: the triangles that cross between this point and the next one; −1 at the last point of a curve.
     Array<Pair> curve_triangles;
+
+    /// For OverlapQuery::regions: row i has the regions [region_offsets[i], region_offsets[i + 1]). A region is a
+    /// connected piece of the boundary of the overlap: of the parts of both surfaces at which the other one's winding
+    /// number is not 0. So volumes of regions add up to the volume of the row, and a cavity of the overlap is a region
+    /// of its own with a negative volume. Numbers of a region are computed as those of a row. Where surfaces touch or
+    /// coincide, regions are those for the second body shifted by (e, e², e³), e → 0+; some of them have no volume.
+    /// Parts of one surface that coincide, such as a wall between two of its components, may separate or join regions.
+    Array<std::int64_t> region_offsets;
+    Array<double> region_volume, region_mean_depth, region_thickness;
+    Array<std::array<double, 3>> region_centroid, region_area_vector, region_normal;
+    Array<std::array<double, 6>> region_box;
+    Array<std::uint8_t> region_is_contact;  ///< 1 if the volume is exactly 0
+    /// 1 if the region may consist of several ones, because two sheets of one surface cross within it.
+    Array<std::uint8_t> region_is_merged;
+    /// By curve, for OverlapQuery::curves and regions: its region, as an index into the regions of all rows; −1 for an
+    /// open row.
+    Array<std::int64_t> curve_regions;
 
     /// For OverlapQuery::windings: the nonzero winding numbers of the other body's surface at each body's vertices,
     /// with the same layout as the gradient. At a vertex that lies on the other surface the number holds for the second

@@ -1,8 +1,8 @@
 #pragma once
 
 // Interface of optional kernels of a backend for sums over the overlap of two closed bodies, a and b: blocks of faces
-// and segments that search/overlap_sums.h passes to the kernels, and the sums that they return. The terms of the sums
-// are defined in exact/overlap/pair_terms.h, and computed in double words (geometry/double_word.h).
+// and segments that search/overlap/overlap_sums.h passes to the kernels, and the sums that they return. The terms of
+// the sums are defined in exact/overlap/pair_terms.h, and computed in double words (geometry/double_word.h).
 
 #include <array>
 #include <cstdint>

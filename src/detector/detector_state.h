@@ -24,7 +24,7 @@
 #include "search/containment/closed_bodies.h"
 #include "search/feature_search.h"
 #include "search/nearest_bodies.h"
-#include "search/overlap_search.h"
+#include "search/overlap/overlap_search.h"
 #include "search/world_search.h"
 
 namespace crumple {

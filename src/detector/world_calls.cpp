@@ -100,10 +100,22 @@ const Overlaps& WorldCalls::find(const World& world, const OverlapQuery& query, 
         check_query_options(query, world);
         check_bodies_have_triangles(world, query.filter, false, "only triangles enclose a volume");
         const PosedOnHost there(*backend, world);
-        if (working == Backend::reference)
-            find_overlaps_by_brute_force(there.world(), query, meter, cancellation, overlaps);
-        else
+        if (working != Backend::reference) {
             overlap_search.find(*backend, host_backend(), worlds, there.world(), query, overlaps);
+        } else {
+            find_overlaps_by_brute_force(there.world(), query, meter, cancellation, overlaps);
+            if (query.depth_tolerance > 0) {  // many bounds are valid, and all backends find the same ones
+                Overlaps bounds = metered_overlaps(&meter);
+                OverlapQuery only_bounds{
+                    .output = query.output, .min_volume = query.min_volume, .open = query.open, .weld = query.weld};
+                only_bounds.self_overlaps = query.self_overlaps;
+                only_bounds.depth_tolerance = query.depth_tolerance;
+                only_bounds.filter = query.filter;
+                overlap_search.find(*backend, *backend, worlds, there.world(), only_bounds, bounds);
+                overlaps.depth_reached.swap_elements(bounds.depth_reached);
+                overlaps.depth_bound.swap_elements(bounds.depth_bound);
+            }
+        }
     });
     overlaps.statistics.pairs = overlaps.count;
     return overlaps;

@@ -149,6 +149,11 @@ void check_query_options(const OverlapQuery& q, const World& world) {
           "output must be any, any_by_world, body_pairs or pairs");
     check_whole_bodies(q.filter, world);
     check(q.min_volume >= 0 && std::isfinite(q.min_volume), "min_volume must be finite and 0 or more");
+    check(q.depth_tolerance >= 0 && std::isfinite(q.depth_tolerance), "depth_tolerance must be finite and 0 or more");
+    for (const auto& [x, y, z] : q.directions) {
+        check(std::isfinite(x) && std::isfinite(y) && std::isfinite(z), "directions must be finite");
+        check(x != 0 || y != 0 || z != 0, "a direction must not be 0");
+    }
     check(q.filter.bodies != PairScope::within, "filter.bodies must not be within: overlaps are between bodies");
 }
 

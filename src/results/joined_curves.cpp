@@ -9,8 +9,6 @@
 namespace crumple {
 namespace {
 
-using FaceReader = std::function<FaceOfSurface(std::size_t side, std::int32_t face)>;
-
 /// End of a segment, where the edge between vertices `low` and `high` of surface `side` crosses face `crossed` of the
 /// other surface.
 struct CurveEnd {

@@ -22,6 +22,8 @@ struct FaceOfSurface {
     FaceCorners corner;
 };
 
+using FaceReader = std::function<FaceOfSurface(std::size_t side, std::int32_t face)>;
+
 struct JoinedCurve {
     std::vector<std::int32_t>
         segments;         ///< indices of segments, in the order along the curve; without the links of join_segments()
@@ -33,7 +35,6 @@ struct JoinedCurve {
 /// other segments without being listed in curves. Curves are in the order of their lowest segments; closed ones start
 /// with it. A curve ends (is open) at an edge that belongs to one face alone, or to faces that are not oriented alike.
 /// O(n log n).
-std::vector<JoinedCurve> join_segments(std::span<const Segment> segments, std::size_t links,
-                                       const std::function<FaceOfSurface(std::size_t side, std::int32_t face)>& face);
+std::vector<JoinedCurve> join_segments(std::span<const Segment> segments, std::size_t links, const FaceReader& face);
 
 }  // namespace crumple

@@ -3,58 +3,43 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "base/memory_claim.h"
+#include "results/overlap_arrays.h"
 
 namespace crumple {
 namespace {
 
-template <class Act>
-void for_each_array(Overlaps& mine, Overlaps& theirs, Act act) {
-    act(mine.world_hit, theirs.world_hit);
-    act(mine.skipped, theirs.skipped);
-    act(mine.bodies, theirs.bodies);
-    act(mine.relation, theirs.relation);
-    act(mine.volume, theirs.volume);
-    act(mine.centroid, theirs.centroid);
-    act(mine.area_vector, theirs.area_vector);
-    act(mine.normal, theirs.normal);
-    act(mine.mean_depth, theirs.mean_depth);
-    act(mine.torque, theirs.torque);
-    act(mine.torque_point, theirs.torque_point);
-    act(mine.contact_area, theirs.contact_area);
-    act(mine.gradient_offsets, theirs.gradient_offsets);
-    act(mine.gradient_vertices, theirs.gradient_vertices);
-    act(mine.gradient, theirs.gradient);
-    act(mine.curve_offsets, theirs.curve_offsets);
-    act(mine.curve_closed, theirs.curve_closed);
-    act(mine.curve_area_vector, theirs.curve_area_vector);
-    act(mine.curve_torque, theirs.curve_torque);
-    act(mine.curve_point_offsets, theirs.curve_point_offsets);
-    act(mine.curve_points, theirs.curve_points);
-    act(mine.curve_triangles, theirs.curve_triangles);
-    act(mine.winding_offsets, theirs.winding_offsets);
-    act(mine.winding_vertices, theirs.winding_vertices);
-    act(mine.windings, theirs.windings);
-    act(mine.body_volume, theirs.body_volume);
-    act(mine.is_solid, theirs.is_solid);
-}
-
 std::array<double, 3> array_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
+std::array<double, 6> box_of(const OverlapExtent& e) {
+    return {e.low.x, e.low.y, e.low.z, e.high.x, e.high.y, e.high.z};
+}
+void negate(double& x) { x = 0 - x; }
+void negate(Vec3d& v) {
+    for (int axis = 0; axis < 3; ++axis) negate(v[axis]);
+}
+/// Converts numbers to those of the same overlap with one body turned inside out.
+void negate(OverlapNumbers& numbers) {
+    negate(numbers.volume.value);
+    negate(numbers.mean_depth);
+    for (Vec3d* v : {&numbers.area_vector, &numbers.torque, &numbers.normal}) negate(*v);
+}
 
 }  // namespace
 
 Overlaps metered_overlaps(MemoryMeter* meter) {
     Overlaps result;
-    for_each_array(result, result, [&]<class T>(Array<T>& array, Array<T>&) { array = Array<T>(meter); });
+    for_each_overlap_array(
+        [&](const char*, auto array) { result.*array = std::remove_cvref_t<decltype(result.*array)>(meter); });
     return result;
 }
 
 void swap_out(Overlaps& mine, Overlaps& theirs) {
-    for_each_array(mine, theirs, [](auto& one, auto& other) {
-        one.swap_elements(other);
-        one.clear();
+    for_each_overlap_array([&](const char*, auto array) {
+        (mine.*array).swap_elements(theirs.*array);
+        (mine.*array).clear();
     });
     theirs.any = std::exchange(mine.any, false);
     theirs.count = std::exchange(mine.count, 0);
@@ -62,36 +47,31 @@ void swap_out(Overlaps& mine, Overlaps& theirs) {
 }
 
 void clear(Overlaps& result) {
-    for_each_array(result, result, [](auto& array, auto&) { array.clear(); });
+    for_each_overlap_array([&](const char*, auto array) { (result.*array).clear(); });
     result.any = false;
     result.count = 0;
     result.statistics = {};
 }
 
 std::size_t bytes_of(const OverlapRow& row) {
-    std::size_t bytes = bytes_of(row.curves);
-    for (std::size_t side = 0; side < 2; ++side) bytes += bytes_of(row.gradient[side]) + bytes_of(row.windings[side]);
+    std::size_t bytes = bytes_of(row.curves) + bytes_of(row.regions) + bytes_of(row.withdrawals);
+    for (std::size_t side = 0; side < 2; ++side)
+        bytes += bytes_of(row.gradient[side]) + bytes_of(row.windings[side]) + bytes_of(row.depths[side]);
     for (const OverlapCurve& curve : row.curves) bytes += bytes_of(curve.points) + bytes_of(curve.triangles);
     return bytes;
 }
 
 void orient(int first, int second, OverlapRow& row) {
-    const auto negate = [](double& x) { x = 0 - x; };
-    const auto negate_all = [&](Vec3d& v) {
-        for (int axis = 0; axis < 3; ++axis) negate(v[axis]);
-    };
     for (VertexWinding& vertex : row.windings[0]) vertex.winding *= second;
     for (VertexWinding& vertex : row.windings[1]) vertex.winding *= first;
     if (first == second) return;
-    OverlapNumbers& numbers = row.numbers;
-    negate(numbers.volume.value);
-    negate(numbers.mean_depth);
-    for (Vec3d* v : {&numbers.area_vector, &numbers.torque, &numbers.normal}) negate_all(*v);
+    negate(row.numbers);
+    for (OverlapRegion& region : row.regions) negate(region.numbers);
     for (auto& vertices : row.gradient)
-        for (VertexVector& vertex : vertices) negate_all(vertex.value);
+        for (VertexVector& vertex : vertices) negate(vertex.value);
     for (OverlapCurve& curve : row.curves) {
-        negate_all(curve.area_vector);
-        negate_all(curve.torque);
+        negate(curve.area_vector);
+        negate(curve.torque);
         std::reverse(curve.points.begin(), curve.points.end());
         std::reverse(curve.triangles.begin(), curve.triangles.end());
     }
@@ -103,10 +83,12 @@ void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, 
     if (query.output != Output::pairs) return;
     if (query.gradient) result.gradient_offsets.push_back(0);
     if (query.windings) result.winding_offsets.push_back(0);
+    if (query.depths) result.depth_offsets.push_back(0);
     if (query.curves) {
         result.curve_offsets.push_back(0);
         result.curve_point_offsets.push_back(0);
     }
+    if (query.regions) result.region_offsets.push_back(0);
     if (!query.self_overlaps) return;
     result.body_volume.assign(static_cast<std::size_t>(bodies), std::numeric_limits<double>::quiet_NaN());
     result.is_solid.assign(static_cast<std::size_t>(bodies), 0);
@@ -115,7 +97,7 @@ void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, 
 void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result) {
     if (result.body_volume.empty()) return;
     result.body_volume[body] = row.body_volume;
-    result.is_solid[body] = row.numbers.volume.scaled.mantissa == 0;
+    result.is_solid[body] = is_solid(row);
 }
 
 OverlapNumbers undefined_numbers(const Vec3d& point) {
@@ -137,7 +119,39 @@ void add_skipped(std::vector<std::int32_t> bodies, Overlaps& result) {
     for (const std::int32_t body : bodies) result.skipped.push_back(body);
 }
 
-void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t world, const OverlapRow& row,
+namespace {
+
+void add_depths(const BodyPair& bodies, const OverlapRow& row, Overlaps& result) {
+    std::int64_t deepest = -1;
+    for (std::size_t side = 0; side < 2; ++side)
+        for (const VertexDepth& at : row.depths[side]) {
+            const auto index = static_cast<std::int64_t>(result.depths.size());
+            if (deepest < 0 || at.depth > result.depths[deepest]) deepest = index;
+            result.depth_vertices.push_back({side == 0 ? bodies.first : bodies.second, at.vertex});
+            result.depths.push_back(at.depth);
+            result.depth_points.push_back(array_of(at.nearest));
+            result.depth_triangles.push_back(at.triangle);
+        }
+    result.depth_offsets.push_back(static_cast<std::int64_t>(result.depths.size()));
+    result.deepest.push_back(deepest);
+}
+
+void add_region(const OverlapRegion& region, Overlaps& result) {
+    const OverlapNumbers& numbers = region.numbers;
+    result.region_volume.push_back(numbers.volume.value);
+    result.region_centroid.push_back(array_of(numbers.centroid));
+    result.region_area_vector.push_back(array_of(numbers.area_vector));
+    result.region_normal.push_back(array_of(numbers.normal));
+    result.region_mean_depth.push_back(numbers.mean_depth);
+    result.region_thickness.push_back(region.extent.thickness);
+    result.region_box.push_back(box_of(region.extent));
+    result.region_is_contact.push_back(numbers.volume.scaled.mantissa == 0);
+    result.region_is_merged.push_back(region.merged);
+}
+
+}  // namespace
+
+void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t world, const OverlapRow& row, bool solids,
              Overlaps& result) {
     result.any = true;
     if (query.output == Output::any) return;
@@ -168,9 +182,35 @@ void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t wor
         }
     }
     if (query.gradient) add_offset(result.gradient_offsets, result.gradient.size());
+    if (query.depths) add_depths(bodies, row, result);
+    if (query.depth_tolerance > 0) {
+        result.depth_reached.push_back(row.depth_bounds.lower);
+        result.depth_bound.push_back(row.depth_bounds.upper);
+    }
     if (query.windings) add_offset(result.winding_offsets, result.windings.size());
+    const auto first_region = static_cast<std::int64_t>(result.region_volume.size());
+    if (query.extents || query.regions) {
+        result.box.push_back(box_of(row.extent));
+        result.thickness.push_back(row.extent.thickness);
+    }
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t j = 0; j < query.directions.size(); ++j)
+        result.withdrawals.push_back(row.withdrawals.empty() ? nan : row.withdrawals[j]);
+    if (query.unions) {
+        result.union_volume.push_back(row.unions.volume);
+        result.intersection_over_union.push_back(row.unions.share);
+        result.difference_volume.push_back(row.unions.difference);
+    }
+    if (query.translation) {
+        result.translation_low.push_back(solids ? row.translation.low : nan);
+        result.translation_high.push_back(row.translation.high);
+        result.translation.push_back(array_of(row.translation.translation));
+    }
+    for (const OverlapRegion& region : row.regions) add_region(region, result);
+    if (query.regions) add_offset(result.region_offsets, result.region_volume.size());
     if (!query.curves) return;
     for (const OverlapCurve& curve : row.curves) {
+        if (query.regions) result.curve_regions.push_back(curve.region < 0 ? -1 : first_region + curve.region);
         result.curve_closed.push_back(curve.closed);
         result.curve_area_vector.push_back(array_of(curve.area_vector));
         result.curve_torque.push_back(array_of(curve.torque));

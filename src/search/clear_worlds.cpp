@@ -6,9 +6,9 @@
 namespace crumple {
 namespace {
 
-std::int64_t size_of(const auto& list) { return list ? static_cast<std::int64_t>(list->size()) : 0; }
+std::int64_t length_of(const auto& list) { return list ? static_cast<std::int64_t>(list->size()) : 0; }
 
-std::int64_t elements(const Shape& s) { return s.triangles.rows + size_of(s.edges) + size_of(s.points); }
+std::int64_t elements(const Shape& s) { return s.triangles.rows + length_of(s.edges) + length_of(s.points); }
 
 bool can_read(const Shape& s) {
     return s.name != 0 && !s.end.data && s.radii.empty() && !s.rest.data && s.rest.rows == 0 &&
@@ -18,7 +18,7 @@ bool can_read(const Shape& s) {
 // Without lists, all vertices and edges of triangles are features. A list of points replaces the vertices of triangles
 // and edges, a list of edges replaces the edges of triangles.
 std::int32_t first_complete(const Shape& s) {
-    if (s.points) return static_cast<std::int32_t>(s.triangles.rows + size_of(s.edges));
+    if (s.points) return static_cast<std::int32_t>(s.triangles.rows + length_of(s.edges));
     return s.edges ? static_cast<std::int32_t>(s.triangles.rows) : 0;
 }
 

@@ -50,6 +50,15 @@ TEST_P(OverlapAgreement, bodies_off_the_grid_match_brute_force) {
         const ClosedBodies bodies = closed_bodies(seed, 3, false, true);
         compare(bodies.view(), {.filter = {.groups = seed % 3 == 0 ? PairScope::between : PairScope::both}});
         compare(bodies.view(), {.self_overlaps = seed % 2 == 0, .gradient = true, .curves = true, .windings = true});
+        compare(bodies.view(), {.self_overlaps = seed % 2 == 0,
+                                .curves = true,
+                                .extents = true,
+                                .depths = true,
+                                .directions = {{0, 0, 1}, {-1, 0.5, 2}},
+                                .translation = true,
+                                .solids = seed % 3 == 0,
+                                .unions = true,
+                                .regions = true});
     }
     EXPECT_GT(relations_[1], 10);
 }
@@ -68,8 +77,16 @@ TEST_P(OverlapAgreement, worlds_with_an_open_body_match_brute_force) {
         bodies.shapes[1] = Shape(bodies.soups[1].view());
         for (const Output output : {Output::any, Output::any_by_world, Output::pairs})
             for (const OpenSurfaces open : {OpenSurfaces::skip, OpenSurfaces::curves})
-                compare(bodies.view(),
-                        {.output = output, .open = open, .self_overlaps = seed % 2 == 0, .curves = true});
+                compare(bodies.view(), {.output = output,
+                                        .open = open,
+                                        .self_overlaps = seed % 2 == 0,
+                                        .curves = true,
+                                        .depths = true,
+                                        .depth_tolerance = 1,
+                                        .directions = {{1, 0, 0}},
+                                        .translation = true,
+                                        .unions = true,
+                                        .regions = true});
     }
 }
 
@@ -105,7 +122,16 @@ TEST_P(OverlapAgreement, t_junctions_with_degenerate_faces_match_brute_force) {
 
 TEST(OverlapMemory, call_under_a_sufficient_limit_gives_the_same_result_within_it) {
     const ClosedBodies bodies = closed_bodies(13, 30, true, false);
-    const OverlapQuery query{.self_overlaps = true, .gradient = true, .curves = true, .windings = true};
+    const OverlapQuery query{.self_overlaps = true,
+                             .gradient = true,
+                             .curves = true,
+                             .windings = true,
+                             .depths = true,
+                             .depth_tolerance = 0.5,
+                             .directions = {{1, 0, 0}, {-1, 2, 0.25}},
+                             .translation = true,
+                             .unions = true,
+                             .regions = true};
     test::expect_same_under_limit([&](Detector& detector) { return detector.find(bodies.view(), query); },
                                   [](const Overlaps& a, const Overlaps& b) { return difference(a, b); });
 }

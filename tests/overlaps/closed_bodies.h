@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "crumple/crumple.h"
+#include "results/overlap_arrays.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple::test {
@@ -103,34 +104,11 @@ inline std::string difference(const Overlaps& x, const Overlaps& y) {
     };
     if (x.any != y.any) return "any";
     if (x.count != y.count) return "count";
-    if (differ(x.world_hit, y.world_hit)) return "world_hit";
-    if (differ(x.skipped, y.skipped)) return "skipped";
-    if (differ(x.bodies, y.bodies)) return "bodies";
-    if (differ(x.relation, y.relation)) return "relation";
-    if (differ(x.volume, y.volume)) return "volume";
-    if (differ(x.centroid, y.centroid)) return "centroid";
-    if (differ(x.area_vector, y.area_vector)) return "area_vector";
-    if (differ(x.normal, y.normal)) return "normal";
-    if (differ(x.mean_depth, y.mean_depth)) return "mean_depth";
-    if (differ(x.torque, y.torque)) return "torque";
-    if (differ(x.torque_point, y.torque_point)) return "torque_point";
-    if (differ(x.contact_area, y.contact_area)) return "contact_area";
-    if (differ(x.gradient_offsets, y.gradient_offsets)) return "gradient_offsets";
-    if (differ(x.gradient_vertices, y.gradient_vertices)) return "gradient_vertices";
-    if (differ(x.gradient, y.gradient)) return "gradient";
-    if (differ(x.curve_offsets, y.curve_offsets)) return "curve_offsets";
-    if (differ(x.curve_closed, y.curve_closed)) return "curve_closed";
-    if (differ(x.curve_area_vector, y.curve_area_vector)) return "curve_area_vector";
-    if (differ(x.curve_torque, y.curve_torque)) return "curve_torque";
-    if (differ(x.curve_point_offsets, y.curve_point_offsets)) return "curve_point_offsets";
-    if (differ(x.curve_points, y.curve_points)) return "curve_points";
-    if (differ(x.curve_triangles, y.curve_triangles)) return "curve_triangles";
-    if (differ(x.winding_offsets, y.winding_offsets)) return "winding_offsets";
-    if (differ(x.winding_vertices, y.winding_vertices)) return "winding_vertices";
-    if (differ(x.windings, y.windings)) return "windings";
-    if (differ(x.body_volume, y.body_volume)) return "body_volume";
-    if (differ(x.is_solid, y.is_solid)) return "is_solid";
-    return {};
+    std::string different;
+    for_each_overlap_array([&](const char* name, auto array) {
+        if (different.empty() && differ(x.*array, y.*array)) different = name;
+    });
+    return different;
 }
 
 /// Returns the name of the first part in which two results with containment differ, or an empty string.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "error_of.h"
-#include "search/overlap_row.h"
+#include "search/overlap/overlap_row.h"
 
 namespace crumple {
 namespace {

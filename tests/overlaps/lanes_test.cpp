@@ -11,8 +11,8 @@
 #include "crumple/error.h"
 #include "exact/overlap/filtered_crossing.h"
 #include "geometry/random_pairs.h"
-#include "search/overlap_blocks.h"
-#include "search/overlap_exact.h"
+#include "search/overlap/overlap_blocks.h"
+#include "search/overlap/overlap_exact.h"
 
 namespace crumple {
 namespace {

@@ -1,5 +1,5 @@
 // Compares many small bodies on grids, where most signs are ties, with brute force in rational arithmetic: all numbers,
-// derivatives, curves and winding numbers, bit by bit.
+// derivatives, curves, regions and winding numbers, bit by bit.
 
 #include <gtest/gtest.h>
 
@@ -80,12 +80,23 @@ struct Figures {
 
 TEST(OverlapSmallCases, results_match_rational_arithmetic_byte_by_byte) {
     Detector cpu(Options{.backend = Backend::cpu, .threads = 1}), reference(Options{.backend = Backend::reference});
-    const OverlapQuery query{.weld = true, .gradient = true, .curves = true, .windings = true};
+    OverlapQuery query{.weld = true,
+                       .gradient = true,
+                       .curves = true,
+                       .windings = true,
+                       .extents = true,
+                       .depths = true,
+                       .directions = {{0, 0, 1}, {1, -2, 0.5}},
+                       .translation = true,
+                       .solids = true,
+                       .unions = true,
+                       .regions = true};
     Figures figures;
     const int cases = scaled_rounds(1000);
     for (int seed = 0; seed < cases; ++seed) {
         Dice dice(static_cast<unsigned>(seed));
         const Soup a = small_body(dice), b = small_body(dice);
+        query.depth_tolerance = seed % 16 == 0 ? 0.1 : 0;  // many steps
         const Overlaps& found = cpu.find({a.view(), b.view()}, query);
         ASSERT_EQ(test::difference(found, reference.find({a.view(), b.view()}, query)), "") << "case " << seed;
         for (const std::uint8_t closed : found.curve_closed) ASSERT_EQ(closed, 1) << "case " << seed;

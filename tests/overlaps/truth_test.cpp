@@ -211,12 +211,22 @@ TEST(OverlapTruth, crossing_faces_are_those_of_the_ground_truth) {
     EXPECT_GE(compared, 40);
 }
 
-/// Expects the exact number of curves, and as many segments as pairs that cross.
+/// Expects the exact number of curves and of regions, as many segments as pairs that cross, and the exact volumes of
+/// regions, as far as they are known.
 void expect_curves(const Surface& a, const Surface& b, const Json& c) {
     const std::string name = c.at("name");
     Detector detector;
-    const Overlaps& found = detector.find({a.view(), b.view()}, OverlapQuery{.curves = true});
+    const Overlaps& found = detector.find({a.view(), b.view()}, OverlapQuery{.curves = true, .regions = true});
     EXPECT_EQ(found.curve_closed.size(), c.at("curves").get<std::size_t>()) << name;
+    ASSERT_EQ(found.region_volume.size(), c.at("regions").get<std::size_t>()) << name;
+    std::vector<double> volumes(found.region_volume.begin(), found.region_volume.end());
+    std::sort(volumes.begin(), volumes.end(), std::greater<>());
+    const bool exact = c.contains("region_volumes_float64");
+    const Json& expected = c.at(exact ? "region_volumes_float64" : "region_volumes");
+    for (std::size_t r = 0; r < volumes.size(); ++r) {
+        const double volume = exact ? from_hexadecimal(expected[r]) : expected[r].get<double>();
+        EXPECT_NEAR(volumes[r], volume, exact ? 0 : 1e-13 * volumes[0]) << name;
+    }
     std::int64_t segments = 0;
     for (std::size_t j = 0; j < found.curve_closed.size(); ++j) {
         EXPECT_EQ(found.curve_closed[j], 1) << name;

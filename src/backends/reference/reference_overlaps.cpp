@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -11,13 +12,17 @@
 #include <vector>
 
 #include "backends/reference/reference_bodies.h"
+#include "exact/distance/nearest_triangle.h"
 #include "exact/intersection/exact_intersection.h"
 #include "exact/overlap/exact_crossing.h"
 #include "exact/overlap/overlap_totals.h"
 #include "exact/overlap/pair_terms.h"
 #include "exact/overlap/rational_sum.h"
+#include "exact/withdrawal/exact_withdrawal.h"
 #include "results/joined_curves.h"
 #include "results/overlap_output.h"
+#include "results/overlap_regions.h"
+#include "results/withdrawal_output.h"
 #include "scene/orientation.h"
 
 namespace crumple {
@@ -76,6 +81,16 @@ struct CurveSums {
     CurveTotals<RationalSum> totals;
     Cancellation& cancellation;
 
+    /// Adds a segment of the forward shift; its ends are relative to the origin.
+    void add_curve(const Vec3<Rational>& start, const Vec3<Rational>& end) {
+        CurveTerms<Rational> terms;
+        terms.add(start, end);
+        for (int axis = 0; axis < 3; ++axis) {
+            totals.area[static_cast<std::size_t>(axis)].add(2 * terms.area[axis]);
+            totals.torque[static_cast<std::size_t>(axis)].add(2 * terms.torque[axis]);
+        }
+    }
+
     template <class Combine>
     RoundedSum curves(Combine combine, int divisor) const {
         return combine(totals).rounded_quotient(divisor, cancellation);
@@ -108,9 +123,11 @@ PlacedSegment placed(const RationalCrossing& crossing, std::size_t f, std::size_
 
 class BruteForceOverlap {
    public:
-    /// `self`: 0 for two bodies; for the overlap of a body with itself, its orientation, 1 or -1.
-    BruteForceOverlap(const PosedBody& a, const PosedBody& b, int self, Cancellation& cancellation)
-        : a_(a), b_(b), self_(self), cancellation_(cancellation) {
+    /// `self`: 0 for two bodies; for the overlap of a body with itself, its orientation, 1 or -1. `orientation`: that
+    /// of both bodies.
+    BruteForceOverlap(const PosedBody& a, const PosedBody& b, int self, const std::array<int, 2>& orientation,
+                      Cancellation& cancellation)
+        : a_(a), b_(b), self_(self), orientation_(orientation), cancellation_(cancellation) {
         std::vector<Vec3d> points = a.point;
         points.insert(points.end(), b.point.begin(), b.point.end());
         exponent_ = common_exponent(points);
@@ -130,6 +147,7 @@ class BruteForceOverlap {
         row.windings = {};
         row.numbers = undefined_numbers(origin_);
         row.numbers.contact_area = contact_area_.rounded_quotient(2, cancellation_).value;
+        sort_segments();
         row.curves = curves(origin_);
         return row;
     }
@@ -145,7 +163,13 @@ class BruteForceOverlap {
         if (self_ != 0) row.exists = row.numbers.volume.scaled.mantissa != 0;
         row.relation = self_ != 0 ? OverlapRelation::overlapping : relation();
         for (std::size_t side = 0; side < 2; ++side) row.gradient[side] = gradient(side);
-        if (self_ == 0) row.curves = curves(row.numbers.point);
+        if (self_ != 0) return row;
+        std::vector<std::int32_t> region_of_segment;
+        add_regions(row, region_of_segment);
+        row.curves = curves(row.numbers.point);
+        add_unions(row);
+        row.depths = {depths(a_, b_, row.windings[0]), depths(b_, a_, row.windings[1])};
+        for (std::size_t i = 0; i < row.curves.size(); ++i) row.curves[i].region = region_of_segment[first_segment_[i]];
         return row;
     }
 
@@ -232,24 +256,174 @@ class BruteForceOverlap {
             contact_area_.times_root_of(square).add(Rational(1));
     }
 
-    std::vector<OverlapCurve> curves(const Vec3d& point) {
+    /// Puts links last, and lists the segments without their ends.
+    void sort_segments() {
         std::stable_partition(segments_.begin(), segments_.end(), [](const auto& s) { return !s.is_link; });
-        std::vector<Segment> segments;
-        std::size_t links = 0;
         for (const PlacedSegment& placed : segments_) {
-            segments.push_back(placed.segment);
-            if (!placed.is_link) ++links;
+            joints_.push_back(placed.segment);
+            if (!placed.is_link) ++links_;
         }
-        const auto face = [&](std::size_t side, std::int32_t f) {
+    }
+    FaceReader face_reader() const {
+        return [this](std::size_t side, std::int32_t f) {
             const PosedBody& body = side == 0 ? a_ : b_;
             FaceOfSurface of{body.face[static_cast<std::size_t>(f)], body.corners(static_cast<std::size_t>(f))};
             for (std::int32_t& vertex : of.vertex) vertex = body.name[static_cast<std::size_t>(vertex)];
             return of;
         };
+    }
+
+    std::vector<OverlapCurve> curves(const Vec3d& point) {
         std::vector<OverlapCurve> curves;
-        for (const JoinedCurve& joined : join_segments(segments, links, face))
+        for (const JoinedCurve& joined : join_segments(joints_, links_, face_reader())) {
             curves.push_back(curve_of(joined, point));
+            first_segment_.push_back(static_cast<std::size_t>(joined.segments[0]));
+        }
         return curves;
+    }
+
+    void add_unions(OverlapRow& row) const {
+        const Rational a = orientation_[0] * six_volumes_of(a_), b = orientation_[1] * six_volumes_of(b_),
+                       both = orientation_[0] * orientation_[1] * six_volumes_, all = a + b - both;
+        row.unions.volume = rounded(all, 6);
+        if (all != 0)
+            row.unions.share = 0.0 + orientation_[0] * orientation_[1] *
+                                         (row.numbers.volume.scaled / rounded_sum(all, 6).scaled).value();
+        row.unions.difference = {rounded(a - both, 6), rounded(b - both, 6)};
+    }
+
+    std::vector<VertexDepth> depths(const PosedBody& of, const PosedBody& other,
+                                    const std::vector<VertexWinding>& inside) const {
+        std::vector<NearTriangle> triangles;
+        for (std::size_t g = 0; g < other.face.size(); ++g)
+            triangles.push_back({static_cast<std::int32_t>(g), other.corners(g)});
+        std::vector<VertexDepth> depths;
+        std::int64_t rational = 0;
+        for (const VertexWinding& vertex : inside) {
+            const Vec3d& p = of.point[static_cast<std::size_t>(vertex.vertex)];
+            if (const auto nearest = decide_nearest(p, triangles, 0, false, cancellation_, rational))
+                depths.push_back({vertex.vertex, nearest->distance, nearest->point, nearest->triangle});
+        }
+        return depths;
+    }
+
+    /// Adds the regions to the row, and the extents of the row and of the regions.
+    void add_regions(OverlapRow& row, std::vector<std::int32_t>& region_of_segment) {
+        sort_segments();
+        std::array<std::vector<std::int32_t>, 2> faces;
+        RegionInput input{.segments = joints_, .links = links_, .face = face_reader(), .in_range = false};
+        std::array<std::vector<std::int32_t>, 2> corners;
+        for (std::size_t side = 0; side < 2; ++side) {
+            const PosedBody& body = side == 0 ? a_ : b_;
+            for (std::size_t f = 0; f < body.face.size(); ++f) faces[side].push_back(static_cast<std::int32_t>(f));
+            for (const auto& face : body.face)
+                for (const std::int32_t v : face) corners[side].push_back(body.name[static_cast<std::size_t>(v)]);
+            input.corners[side] = corners[side].data();
+            input.inside[side] = row.windings[side];
+            input.faces[side] = faces[side];
+            input.vertex_count[side] = body.point.size();
+            input.face_count[side] = body.face.size();
+        }
+        RegionParts all;
+        all.inside = row.windings;
+        for (std::size_t s = 0; s < links_; ++s) all.segments.push_back(static_cast<std::int32_t>(s));
+        row.extent = extent(all, row.numbers.normal);
+        region_of_segment.assign(links_, -1);
+        for (const RegionParts& parts : find_regions(input, cancellation_)) {
+            for (const std::int32_t s : parts.segments)
+                region_of_segment[static_cast<std::size_t>(s)] = static_cast<std::int32_t>(row.regions.size());
+            OverlapRegion& region = row.regions.emplace_back();
+            RegionSums sums(*this, parts);
+            region.numbers = finish(sums, origin_, false);
+            region.extent = extent(parts, region.numbers.normal);
+            region.merged = parts.merged;
+        }
+    }
+
+    /// Sums over the cones that a region adds, in the form that finish() needs.
+    struct RegionSums : CurveSums {
+        VolumeTotals<RationalSum> volumes;
+
+        RegionSums(const BruteForceOverlap& of, const RegionParts& parts) : CurveSums{{}, of.cancellation_} {
+            const Vec3<Rational> origin = rational(of.origin_);
+            const auto add_cone = [&](const Vec3<Rational>& x, const Vec3<Rational>& y, const Vec3<Rational>& z,
+                                      int w) {
+                const Rational cone = w * dot(x, cross(y, z));
+                const Vec3<Rational> moment = cone * (x + y + z);
+                volumes.volume.add(cone);
+                for (std::size_t k = 0; k < 3; ++k) volumes.moment[k].add(moment[static_cast<int>(k)]);
+            };
+            const auto corner = [&](std::size_t side, std::int32_t f, std::size_t k) {
+                const PosedBody& body = side == 0 ? of.a_ : of.b_;
+                return rational(body.corners(static_cast<std::size_t>(f))[k]) - origin;
+            };
+            const auto add_face = [&](std::size_t side, std::int32_t f, int w) {
+                add_cone(corner(side, f, 0), corner(side, f, 1), corner(side, f, 2), w);
+            };
+            for (const std::int32_t s : parts.segments) {
+                const PlacedSegment& placed = of.segments_[static_cast<std::size_t>(s)];
+                const Segment& segment = placed.segment;
+                const Vec3<Rational> start = placed.start - origin, end = placed.end - origin;
+                add_cone(corner(0, segment.a, 0), start, end, 1);
+                add_cone(corner(1, segment.b, 0), end, start, 1);
+                for (const bool at_start : {true, false}) {
+                    const SegmentEnd& on = at_start ? segment.start : segment.end;
+                    const std::int32_t f = on.side == 0 ? segment.a : segment.b;
+                    if (on.edge == 0) add_face(on.side, f, on.jump);
+                    if (on.edge == 1)
+                        add_cone(corner(on.side, f, 0), at_start ? start : end, corner(on.side, f, 2), on.jump);
+                }
+                add_curve(start, end);
+            }
+            for (std::size_t side = 0; side < 2; ++side) {
+                const PosedBody& body = side == 0 ? of.a_ : of.b_;
+                std::map<std::int32_t, int> winding;
+                for (const VertexWinding& vertex : parts.inside[side]) winding[vertex.vertex] = vertex.winding;
+                for (std::size_t f = 0; f < body.face.size(); ++f) {
+                    const auto w = winding.find(body.name[static_cast<std::size_t>(body.face[f][0])]);
+                    if (w != winding.end()) add_face(side, static_cast<std::int32_t>(f), w->second);
+                }
+            }
+        }
+        template <class Combine>
+        RoundedSum volume(Combine combine, int divisor) const {
+            return combine(volumes).rounded_quotient(divisor, cancellation);
+        }
+    };
+
+    OverlapExtent extent(const RegionParts& parts, const Vec3d& normal) const {
+        std::vector<Vec3<Rational>> points;
+        for (std::size_t side = 0; side < 2; ++side)
+            for (const VertexWinding& vertex : parts.inside[side])
+                points.push_back(rational((side == 0 ? a_ : b_).point[static_cast<std::size_t>(vertex.vertex)]));
+        for (const std::int32_t s : parts.segments) {
+            points.push_back(segments_[static_cast<std::size_t>(s)].start);
+            points.push_back(segments_[static_cast<std::size_t>(s)].end);
+        }
+        OverlapExtent extent = no_extent;
+        if (points.empty()) return extent;
+        const auto range = [&](const Vec3<Rational>& along) {
+            Rational low = dot(along, points[0]), high = low;
+            for (const auto& p : points) {
+                const Rational x = dot(along, p);
+                if (x < low) low = x;
+                if (x > high) high = x;
+            }
+            return std::pair(low, high);
+        };
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        for (int axis = 0; axis < 3; ++axis) {
+            Vec3<Rational> along;
+            along[axis] = 1;
+            const std::pair<Rational, Rational> x = range(along);
+            const double low = rounded(x.first, 1), high = rounded(x.second, 1);
+            extent.low[axis] = Rational(low) > x.first ? std::nextafter(low, -infinity) : low;
+            extent.high[axis] = Rational(high) < x.second ? std::nextafter(high, infinity) : high;
+        }
+        if (!all_finite(normal)) return extent;
+        const std::pair<Rational, Rational> x = range(rational(normal));
+        extent.thickness = rounded(x.second - x.first, 1);
+        return extent;
     }
 
     OverlapCurve curve_of(const JoinedCurve& joined, const Vec3d& point) {
@@ -263,13 +437,8 @@ class BruteForceOverlap {
             const PlacedSegment& placed = segments_[static_cast<std::size_t>(s)];
             add_point(placed.start);
             curve.triangles.push_back({placed.segment.a, placed.segment.b});
-            CurveTerms<Rational> terms;
             const Vec3<Rational> origin = rational(origin_);
-            terms.add(placed.start - origin, placed.end - origin);
-            for (int axis = 0; axis < 3; ++axis) {
-                sums.totals.area[static_cast<std::size_t>(axis)].add(2 * terms.area[axis]);
-                sums.totals.torque[static_cast<std::size_t>(axis)].add(2 * terms.torque[axis]);
-            }
+            sums.add_curve(placed.start - origin, placed.end - origin);
         }
         add_point(segments_[static_cast<std::size_t>(joined.segments.back())].end);
         constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -320,12 +489,13 @@ class BruteForceOverlap {
         return rows;
     }
 
-    static double rounded(const Rational& x, int divisor) {
+    static RoundedSum rounded_sum(const Rational& x, int divisor) {
         Cancellation none;
         RationalSum sum;
         sum.add(x);
-        return sum.rounded_quotient(divisor, none).value;
+        return sum.rounded_quotient(divisor, none);
     }
+    static double rounded(const Rational& x, int divisor) { return rounded_sum(x, divisor).value; }
     Rational six_volumes_of(const PosedBody& body) const {
         Rational six = 0;
         for (std::size_t f = 0; f < body.face.size(); ++f) six += placed(body.corners(f), origin_).cone();
@@ -362,6 +532,7 @@ class BruteForceOverlap {
 
     const PosedBody &a_, &b_;
     int self_;
+    std::array<int, 2> orientation_;
     Cancellation& cancellation_;
     int exponent_ = 0;
     Vec3d origin_;
@@ -371,8 +542,30 @@ class BruteForceOverlap {
     CurveTotals<RationalSum> curve_totals_;
     RootSum contact_area_;
     std::vector<PlacedSegment> segments_;
+    std::vector<Segment> joints_;             ///< segments_ without their ends; links are last
+    std::size_t links_ = 0;                   ///< index of the first link
+    std::vector<std::size_t> first_segment_;  ///< by curve
     std::array<Gradient, 2> gradient_;
 };
+
+/// Adds the withdrawals of all pairs of faces, decided in rationals.
+void add_withdrawals(const OverlapQuery& query, const PosedBody& a, const PosedBody& b, OverlapRow& row) {
+    const auto withdraw = [&](const Vec3d& direction) {
+        Rational greatest = 0;
+        for (std::size_t f = 0; f < a.face.size(); ++f)
+            for (std::size_t g = 0; g < b.face.size(); ++g)
+                if (const auto t = withdrawal_rationally(a.corners(f), b.corners(g), direction); t && *t > greatest)
+                    greatest = *t;
+        return rounded_up(greatest);
+    };
+    const auto projected_area = [&](int side) {
+        const PosedBody& body = side == 0 ? a : b;
+        ProjectedArea area;
+        for (std::size_t f = 0; f < body.face.size(); ++f) area.add(body.corners(f));
+        return area.bound();
+    };
+    add_withdrawals(query, withdraw, projected_area, row);
+}
 
 }  // namespace
 
@@ -385,6 +578,8 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
     result.statistics.simd = "scalar";
     result.statistics.triangles = outline.triangles();
     std::vector<std::int32_t> skipped;
+    std::set<std::int32_t> solids;
+    std::vector<std::pair<BodyPair, OverlapRow>> rows;
     for (const auto& [a, b] : bodies.near_pairs(query.self_overlaps)) {
         const std::vector<std::int32_t> open = bodies.open_bodies({a, b}, query.open, "OverlapQuery");
         if (query.open == OpenSurfaces::skip) skipped.insert(skipped.end(), open.begin(), open.end());
@@ -392,13 +587,23 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
         const auto orientation = [&](std::int32_t body) {
             return orientation_of(outline.placement(body)) < 0 ? -1 : 1;
         };
-        BruteForceOverlap overlap(bodies[a], bodies[b], a == b ? orientation(a) : 0, cancellation);
+        BruteForceOverlap overlap(bodies[a], bodies[b], a == b ? orientation(a) : 0, {orientation(a), orientation(b)},
+                                  cancellation);
         OverlapRow row = open.empty() ? overlap.row() : overlap.open_row();
         if (a == b) add_body(a, row, result);
+        if (a != b && row.exists) add_withdrawals(query, bodies[a], bodies[b], row);
+        if (a == b && is_solid(row)) solids.insert(a);
         orient(orientation(a), orientation(b), row);
         if (!query.gradient) row.gradient = {};
         if (!query.windings) row.windings = {};
-        if (is_in_result(query, row)) add_row(query, {a, b}, outline.body(a).world, row, result);
+        if (!query.regions) row.regions = {};
+        if (!query.depths) row.depths = {};
+        if (is_in_result(query, row)) rows.emplace_back(BodyPair{a, b}, std::move(row));
+    }
+    for (const auto& [pair, row] : rows) {
+        const bool proved = solids.contains(pair.first) && solids.contains(pair.second);
+        const bool both = query.self_overlaps ? proved : query.solids;
+        add_row(query, pair, outline.body(pair.first).world, row, both, result);
     }
     add_skipped(std::move(skipped), result);
     result.count = static_cast<std::int64_t>(result.bodies.size());

@@ -1,6 +1,6 @@
 #pragma once
 
-// Overlaps of bodies by brute force, in rational arithmetic: the reference for search/overlap_search.h.
+// Overlaps of bodies by brute force, in rational arithmetic: the reference for search/overlap/overlap_search.h.
 
 #include "base/cancellation.h"
 #include "crumple/overlaps.h"

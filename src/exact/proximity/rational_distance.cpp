@@ -169,6 +169,22 @@ double RationalDistance::rounded_down() const {
     return std::ldexp(static_cast<double>(static_cast<std::int64_t>(Integer(sqrt(places)))), unit);
 }
 
+double RationalDistance::rounded() const {
+    const double low = rounded_down();
+    // The distance exceeds 0, so it is between `low` and the next number; `unit` is the exponent of their difference.
+    if (touching()) return 0;
+    constexpr int precision = 53, least_unit = -1074;
+    const int unit = low == 0 ? least_unit : std::max(std::ilogb(low) - precision + 1, least_unit);
+    const auto units = static_cast<std::int64_t>(std::ldexp(low, -unit));
+    const Integer middle = 2 * Integer(units) + 1;  // in units of 2^(unit - 1)
+    const int shift = 2 * (exponent_ - (unit - 1));
+    const Integer numerator = shift < 0 ? squared_.numerator : Integer(squared_.numerator << shift);
+    const Integer denominator = shift < 0 ? Integer(squared_.denominator << -shift) : squared_.denominator;
+    const int order = numerator.compare(middle * middle * denominator);
+    if (order < 0 || (order == 0 && units % 2 == 0)) return low;
+    return std::nextafter(low, std::numeric_limits<double>::infinity());
+}
+
 ClosestPoints RationalDistance::closest() const {
     const auto rounded = [](const Quotient& x) { return round_quotient(x.numerator, x.denominator, 0); };
     return {type_, {rounded(at_[0]), rounded(at_[1])}};

@@ -26,6 +26,8 @@ class RationalDistance {
     double squared() const;
     /// Returns the largest float64 not above the distance.
     double rounded_down() const;
+    /// Returns the distance, rounded to the nearest float64, ties to even; +inf beyond the largest.
+    double rounded() const;
     ClosestPoints closest() const;
 
     /// Returns the squared distance in units of 2^(2 exponent()).

@@ -94,6 +94,7 @@ PlacedSurface ClosedBodies::place(std::int32_t body, Array<Vec3d>& points) const
         placed.in_range &= in_double_word_range(points[v]);
     }
     placed.points = points.data();
+    placed.vertex_count = static_cast<std::int64_t>(points.size());
     return placed;
 }
 

@@ -25,11 +25,21 @@ struct PlacedSurface {
     const Vec3d* points = nullptr;  ///< posed position of each vertex; not owned
     Bounds box = no_bounds;
     bool in_range = true;  ///< true if all points are in the range of double-double arithmetic
+    std::int64_t vertex_count = 0;
 
     std::array<Vec3d, 3> corners(std::int32_t face) const {
         const std::int32_t* c = surface->corners(face);
         return {points[c[0]], points[c[1]], points[c[2]]};
     }
 };
+
+/// Returns the box of all faces. `surface.box` also contains the vertices that no face names.
+inline Bounds box_of_faces(const PlacedSurface& surface) {
+    if (surface.surface->places() == surface.vertex_count) return surface.box;
+    Bounds box = no_bounds;
+    for (std::int32_t face = 0; face < surface.surface->face_count(); ++face)
+        for (const Vec3d& p : surface.corners(face)) box.widen(p);
+    return box;
+}
 
 }  // namespace crumple

@@ -39,7 +39,17 @@ bool misses_ray(const Vec3d& p, const FaceCorners& face) {
     return false;
 }
 
+void add_crossing(const PlacedSurface& surface, const FaceCorners& face, Shift shift, WindingRay& ray) {
+    if (misses_ray(ray.from, face)) return;
+    const bool quick = surface.in_range && in_double_word_range(ray.from);
+    ray.winding += quick ? filtered_winding_along_ray(ray.from, face, shift) : winding_along_ray(ray.from, face, shift);
+}
+
 }  // namespace
+
+void add_crossing(const PlacedSurface& surface, std::int32_t face, Shift shift, WindingRay& ray) {
+    add_crossing(surface, surface.corners(face), shift, ray);
+}
 
 void cast_rays(std::span<WindingRay> rays, const PlacedSurface& surface, Shift shift, Cancellation& cancellation) {
     if (rays.empty()) return;
@@ -50,12 +60,8 @@ void cast_rays(std::span<WindingRay> rays, const PlacedSurface& surface, Shift s
         const double low = min(face[0].y, min(face[1].y, face[2].y)), high = max(face[0].y, max(face[1].y, face[2].y));
         const auto before = [](const WindingRay& ray, double y) { return ray.from.y < y; };
         for (auto ray = std::lower_bound(rays.begin(), rays.end(), low, before);
-             ray != rays.end() && ray->from.y <= high; ++ray) {
-            if (misses_ray(ray->from, face)) continue;
-            const bool quick = surface.in_range && in_double_word_range(ray->from);
-            ray->winding +=
-                quick ? filtered_winding_along_ray(ray->from, face, shift) : winding_along_ray(ray->from, face, shift);
-        }
+             ray != rays.end() && ray->from.y <= high; ++ray)
+            add_crossing(surface, face, shift, *ray);
     }
 }
 

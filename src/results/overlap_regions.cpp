@@ -1,0 +1,409 @@
+#include "results/overlap_regions.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <tuple>
+
+#include "base/disjoint_sets.h"
+#include "exact/overlap/enclosed_parameter.h"
+#include "results/overlap_face_loops.h"
+#include "results/overlap_sheets.h"
+#include "scene/placement.h"
+
+namespace crumple {
+namespace {
+
+/// End of a segment, where the edge between vertices `low` and `high` of surface `side` crosses face `crossed`.
+struct EdgeEnd {
+    std::size_t side;
+    std::int32_t low, high, crossed, segment;
+    int jump;           ///< change of the winding number from `low` to `high`
+    std::int32_t face;  ///< a face with that edge, and which of its edges it is
+    std::uint8_t edge;
+    bool upward;  ///< true if that face traverses the edge from `low` to `high`
+
+    auto edge_key() const { return std::tie(side, low, high); }
+    auto crossing() const { return std::tie(side, low, high, crossed); }
+};
+
+/// Number of segments on a face up to which boxes that are not tight are sufficient.
+constexpr std::size_t most_in_loose_boxes = 16;
+
+class RegionFinder {
+   public:
+    RegionFinder(const RegionInput& input, Cancellation& cancellation)
+        : in_(input),
+          cancellation_(cancellation),
+          sets_(input.segments.size() + input.inside[0].size() + input.inside[1].size()),
+          chains_{DisjointSets(input.segments.size()), DisjointSets(input.segments.size())},
+          merged_(input.segments.size()) {
+        auto first = static_cast<std::int32_t>(in_.segments.size());
+        for (std::size_t side = 0; side < 2; ++side) {
+            element_[side].assign(in_.vertex_count[side], -1);
+            for (const VertexWinding& vertex : in_.inside[side])
+                element_[side][static_cast<std::size_t>(vertex.vertex)] = first++;
+        }
+    }
+
+    std::vector<RegionParts> find() {
+        list_ends();
+        join_along_edges();
+        for (std::size_t side = 0; side < 2; ++side) {
+            join_uncrossed_edges(side);
+            join_within_faces(side);
+        }
+        return parts();
+    }
+
+   private:
+    void list_ends();
+    void sort_along_edge(std::size_t begin, std::size_t end);
+    CrossedEdge crossed_edge(const EdgeEnd& end) const;
+    void join_along_edges();
+    void join_edge(std::size_t begin, std::size_t end);
+    void join_uncrossed_edges(std::size_t side);
+    void join_within_faces(std::size_t side);
+    void join_crossing_sheets(std::size_t side, std::span<const std::int32_t> on_face);
+    Bounds box_of(std::int32_t segment, bool tight) const;
+    bool sheets_cross(std::size_t side, const Segment& s, const Segment& t) const;
+    void join_loops(std::size_t side, std::span<const std::int32_t> on_face);
+    std::vector<const EdgeEnd*> crossings_of(std::size_t side, std::int32_t from, std::int32_t to) const;
+    std::vector<RegionParts> parts();
+
+    int winding(std::size_t side, std::int32_t vertex) const {
+        const std::int32_t element = element_[side][static_cast<std::size_t>(vertex)];
+        if (element < 0) return 0;
+        const std::size_t first = in_.segments.size() + (side == 1 ? in_.inside[0].size() : 0);
+        return in_.inside[side][static_cast<std::size_t>(element) - first].winding;
+    }
+    std::int32_t element(std::size_t side, std::int32_t vertex) const {
+        return element_[side][static_cast<std::size_t>(vertex)];
+    }
+    std::int32_t face_of(std::size_t side, std::int32_t segment) const {
+        const Segment& s = in_.segments[static_cast<std::size_t>(segment)];
+        return side == 0 ? s.a : s.b;
+    }
+    CrossedEdge crossed_edge(const Segment& segment, const SegmentEnd& end) const;
+
+    const RegionInput& in_;
+    Cancellation& cancellation_;
+    DisjointSets sets_;                   ///< segments, then inside vertices of the first and of the second surface
+    std::array<DisjointSets, 2> chains_;  ///< by surface: segments that are connected within one of its faces
+    std::vector<std::uint8_t> merged_;    ///< by segment: 1 if it crosses another one on a face
+    std::array<std::vector<std::int32_t>, 2> element_;  ///< by surface and vertex: index in sets_, or −1 if not inside
+    std::vector<EdgeEnd> ends_;                         ///< sorted by edge, and along each edge
+    std::array<std::vector<std::uint8_t>, 2> crossed_;  ///< by surface and face: bit k is set if its edge k is crossed
+};
+
+void RegionFinder::list_ends() {
+    for (std::size_t side = 0; side < 2; ++side) crossed_[side].assign(in_.face_count[side], 0);
+    ends_.reserve(2 * in_.segments.size());
+    for (std::size_t i = 0; i < in_.segments.size(); ++i) {
+        const Segment& segment = in_.segments[i];
+        for (const SegmentEnd& end : {segment.start, segment.end}) {
+            const std::int32_t own = end.side == 0 ? segment.a : segment.b,
+                               other = end.side == 0 ? segment.b : segment.a;
+            const std::int32_t* vertex = in_.corners[end.side] + 3 * std::ptrdiff_t{own};
+            const std::int32_t from = vertex[end.edge], to = vertex[next_corner(end.edge)];
+            ends_.push_back({end.side, std::min(from, to), std::max(from, to), other, static_cast<std::int32_t>(i),
+                             from < to ? end.jump : -end.jump, own, end.edge, from < to});
+            crossed_[end.side][static_cast<std::size_t>(own)] |= static_cast<std::uint8_t>(1 << end.edge);
+        }
+    }
+    std::sort(ends_.begin(), ends_.end(), [](const EdgeEnd& x, const EdgeEnd& y) {
+        return std::tuple_cat(x.crossing(), std::tie(x.segment)) < std::tuple_cat(y.crossing(), std::tie(y.segment));
+    });
+}
+
+CrossedEdge RegionFinder::crossed_edge(const EdgeEnd& end) const {
+    const FaceCorners corner = in_.face(end.side, end.face).corner;
+    CrossedEdge edge{end.side, corner[end.edge], corner[next_corner(end.edge)],
+                     in_.face(1 - end.side, end.crossed).corner};
+    if (!end.upward) std::swap(edge.from, edge.to);
+    return edge;
+}
+CrossedEdge RegionFinder::crossed_edge(const Segment& segment, const SegmentEnd& end) const {
+    const std::int32_t own = end.side == 0 ? segment.a : segment.b, other = end.side == 0 ? segment.b : segment.a;
+    const FaceOfSurface face = in_.face(end.side, own);
+    const std::size_t next = next_corner(end.edge);
+    CrossedEdge edge{end.side, face.corner[end.edge], face.corner[next], in_.face(1 - end.side, other).corner};
+    if (face.vertex[end.edge] > face.vertex[next]) std::swap(edge.from, edge.to);
+    return edge;
+}
+
+// Sorts the ends on one edge, which are sorted by crossed face, along the edge from its lower to its higher vertex.
+void RegionFinder::sort_along_edge(std::size_t begin, std::size_t end) {
+    struct Crossing {
+        CrossedEdge edge;
+        Enclosed parameter;
+        std::int32_t crossed;
+        std::optional<ShiftedNumber> exact = {};  ///< the parameter, once it is needed
+
+        const ShiftedNumber& exact_parameter() {
+            if (!exact) exact = shifted_parameter(edge);
+            return *exact;
+        }
+    };
+    if (ends_[end - 1].crossed == ends_[begin].crossed) return;
+    std::vector<Crossing> crossings;
+    for (std::size_t i = begin; i < end; ++i) {
+        if (i > begin && ends_[i].crossed == ends_[i - 1].crossed) continue;
+        Crossing& crossing = crossings.emplace_back(Crossing{crossed_edge(ends_[i]), {}, ends_[i].crossed});
+        const CrossedEdge& edge = crossing.edge;
+        if (in_.in_range) crossing.parameter = enclosed_parameter(edge.from, edge.to, edge.face);
+    }
+    std::vector<std::size_t> order(crossings.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+        Crossing &x = crossings[i], &y = crossings[j];
+        cancellation_.check();
+        if (in_.in_range) {
+            const Enclosed difference = x.parameter - y.parameter;
+            if (difference.magnitude() > (1 + 0x1p-40) * difference.error) return difference.value.high < 0;
+        }
+        const int sign = (x.exact_parameter() - y.exact_parameter()).sign();
+        return sign != 0 ? sign < 0 : x.crossed < y.crossed;
+    });
+    std::map<std::int32_t, std::size_t> rank;
+    for (std::size_t i = 0; i < order.size(); ++i) rank[crossings[order[i]].crossed] = i;
+    std::stable_sort(ends_.begin() + static_cast<std::ptrdiff_t>(begin),
+                     ends_.begin() + static_cast<std::ptrdiff_t>(end),
+                     [&](const EdgeEnd& x, const EdgeEnd& y) { return rank[x.crossed] < rank[y.crossed]; });
+}
+
+void RegionFinder::join_along_edges() {
+    for (std::size_t begin = 0, end = 0; begin < ends_.size(); begin = end) {
+        cancellation_.check();
+        while (end < ends_.size() && ends_[end].edge_key() == ends_[begin].edge_key()) ++end;
+        sort_along_edge(begin, end);
+        join_edge(begin, end);
+    }
+}
+
+void RegionFinder::join_edge(std::size_t begin, std::size_t end) {
+    const EdgeEnd& edge = ends_[begin];
+    int w = winding(edge.side, edge.low);
+    std::int32_t last = element(edge.side, edge.low);
+    for (std::size_t i = begin; i < end; ++i) {
+        const EdgeEnd& at = ends_[i];
+        if (i > begin && at.crossed == ends_[i - 1].crossed) {
+            sets_.join(at.segment, last);
+        } else {
+            if (w != 0) sets_.join(last, at.segment);
+            w += at.jump;
+            last = at.segment;
+        }
+        // On the face that the edge crosses, segments continue here.
+        chains_[1 - edge.side].join(at.segment, last);
+    }
+    if (w != 0) sets_.join(last, element(edge.side, edge.high));
+}
+
+void RegionFinder::join_uncrossed_edges(std::size_t side) {
+    const auto join_edges_of = [&](std::int32_t face) {
+        const std::int32_t* vertex = in_.corners[side] + 3 * std::ptrdiff_t{face};
+        const std::uint8_t crossed = crossed_[side][static_cast<std::size_t>(face)];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int32_t from = element(side, vertex[k]), to = element(side, vertex[next_corner(k)]);
+            if ((crossed >> k & 1) == 0 && from >= 0 && to >= 0) sets_.join(from, to);
+        }
+    };
+    for (const std::int32_t face : in_.faces[side]) join_edges_of(face);
+    for (std::size_t i = 0; i < in_.segments.size(); ++i) join_edges_of(face_of(side, static_cast<std::int32_t>(i)));
+}
+
+void RegionFinder::join_within_faces(std::size_t side) {
+    std::vector<std::int32_t> order(in_.links);
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);
+    const auto before = [&](std::int32_t i, std::int32_t j) { return face_of(side, i) < face_of(side, j); };
+    if (!std::is_sorted(order.begin(), order.end(), before)) std::stable_sort(order.begin(), order.end(), before);
+    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+        cancellation_.check();
+        const std::int32_t face = face_of(side, order[begin]);
+        while (end < order.size() && face_of(side, order[end]) == face) ++end;
+        const auto on_face = std::span<const std::int32_t>(order).subspan(begin, end - begin);
+        if (on_face.size() < 2) continue;
+        join_crossing_sheets(side, on_face);
+        join_loops(side, on_face);
+    }
+}
+
+// Joins the segments on one face that cross, because the faces in which they lie cross. Sweeps over boxes of segments
+// along the axis on which their middles are spread most.
+void RegionFinder::join_crossing_sheets(std::size_t side, std::span<const std::int32_t> on_face) {
+    struct Sheet {
+        Bounds box = no_bounds;
+        std::int32_t segment;
+    };
+    std::vector<Sheet> sheets;
+    Bounds middles = no_bounds;
+    for (const std::int32_t s : on_face) {
+        Sheet& sheet = sheets.emplace_back(Sheet{box_of(s, on_face.size() > most_in_loose_boxes), s});
+        middles.widen(0.5 * sheet.box.low + 0.5 * sheet.box.high);
+    }
+    const Vec3d spread = 0.5 * middles.high - 0.5 * middles.low;
+    const int axis = spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
+    std::sort(sheets.begin(), sheets.end(), [&](const Sheet& x, const Sheet& y) {
+        return std::pair(x.box.low[axis], x.segment) < std::pair(y.box.low[axis], y.segment);
+    });
+    for (std::size_t i = 0; i < sheets.size(); ++i) {
+        cancellation_.check();
+        for (std::size_t j = i + 1; j < sheets.size() && sheets[j].box.low[axis] <= sheets[i].box.high[axis]; ++j) {
+            if (!overlap(sheets[i].box, sheets[j].box)) continue;
+            cancellation_.check();
+            const auto s = static_cast<std::size_t>(sheets[i].segment), t = static_cast<std::size_t>(sheets[j].segment);
+            if (!sheets_cross(side, in_.segments[s], in_.segments[t])) continue;
+            sets_.join(sheets[i].segment, sheets[j].segment);
+            merged_[s] = merged_[t] = 1;
+        }
+    }
+}
+
+// Returns a box that contains a segment, by its ends: for each end the intersection of the boxes of the edge and of the
+// face that cross there or, if `tight`, a box of the point itself.
+Bounds RegionFinder::box_of(std::int32_t segment, bool tight) const {
+    Bounds box = no_bounds;
+    const Segment& s = in_.segments[static_cast<std::size_t>(segment)];
+    for (const SegmentEnd& end : {s.start, s.end}) {
+        const CrossedEdge edge = crossed_edge(s, end);
+        if (!tight || !in_.in_range) {
+            const auto& [p, q, r] = edge.face;
+            box.low = min(box.low, max(min(edge.from, edge.to), min(p, min(q, r))));
+            box.high = max(box.high, min(max(edge.from, edge.to), max(p, max(q, r))));
+            continue;
+        }
+        const Enclosed t = enclosed_parameter(edge.from, edge.to, edge.face);
+        for (int axis = 0; axis < 3; ++axis) {
+            const Enclosed x = Enclosed(edge.from[axis]) + t * Enclosed::difference(edge.to[axis], edge.from[axis]);
+            const double error = x.error + 0x1p-52 * x.magnitude();
+            box.low[axis] = min(box.low[axis], x.value.high - error);
+            box.high[axis] = max(box.high[axis], x.value.high + error);
+        }
+    }
+    return box;
+}
+
+// True if two segments on one face of surface `side` cross: if the ends of each are on different sides of the other
+// one's sheet, the face of the other surface.
+bool RegionFinder::sheets_cross(std::size_t side, const Segment& s, const Segment& t) const {
+    const std::size_t of = 1 - side;
+    const FaceOfSurface one = in_.face(of, side == 0 ? s.b : s.a), other = in_.face(of, side == 0 ? t.b : t.a);
+    if (!sheets_may_cross(one, other, in_.in_range)) return false;
+    const auto parts = [&](const FaceCorners& plane, const Segment& segment) {
+        std::array<ShiftedPoint, 3> q;
+        for (std::size_t k = 0; k < 3; ++k) q[k] = shifted_vertex(plane[k], of);
+        const ShiftedPoint normal = cross(q[1] - q[0], q[2] - q[0]);
+        const auto sign = [&](const SegmentEnd& end) {
+            return dot(normal, shifted_point(crossed_edge(segment, end)) - q[0]).sign();
+        };
+        return sign(segment.start) * sign(segment.end) < 0;
+    };
+    return parts(one.corner, t) && parts(other.corner, s);
+}
+
+// Joins the loops on one face to what surrounds them there, if the winding number between them is not 0.
+void RegionFinder::join_loops(std::size_t side, std::span<const std::int32_t> on_face) {
+    const auto leaves_face = [&](std::int32_t s) {
+        const Segment& segment = in_.segments[static_cast<std::size_t>(s)];
+        return segment.start.side == side || segment.end.side == side;
+    };
+    if (std::all_of(on_face.begin(), on_face.end(), leaves_face)) return;
+    std::vector<std::int32_t> chains, at_edges;
+    for (const std::int32_t s : on_face) {
+        chains.push_back(chains_[side].find(s));
+        if (leaves_face(s)) at_edges.push_back(chains.back());
+    }
+    std::vector<std::int32_t> loops = chains;
+    for (std::vector<std::int32_t>* list : {&loops, &at_edges}) {
+        std::sort(list->begin(), list->end());
+        list->erase(std::unique(list->begin(), list->end()), list->end());
+    }
+    std::erase_if(loops, [&](std::int32_t c) { return std::binary_search(at_edges.begin(), at_edges.end(), c); });
+    if (loops.empty()) return;
+
+    const std::int32_t f = face_of(side, on_face[0]);
+    const FaceOfSurface face = in_.face(side, f);
+    std::vector<SegmentOnFace> segments;
+    for (std::size_t i = 0; i < on_face.size(); ++i) {
+        const Segment& s = in_.segments[static_cast<std::size_t>(on_face[i])];
+        segments.push_back({on_face[i], chains[i], crossed_edge(s, s.start), crossed_edge(s, s.end)});
+        if (side == 1) std::swap(segments.back().start, segments.back().end);
+    }
+    std::array<std::vector<const EdgeEnd*>, 3> ends;  // by edge of the face, in its direction
+    std::array<std::vector<CrossedEdge>, 3> crossings;
+    for (std::size_t edge = 0; edge < 3; ++edge) {
+        ends[edge] = crossings_of(side, face.vertex[edge], face.vertex[next_corner(edge)]);
+        for (const EdgeEnd* end : ends[edge]) crossings[edge].push_back(crossed_edge(*end));
+    }
+    FaceLoops in_face(side, face.corner, std::move(segments), crossings, in_.in_range);
+    for (const std::int32_t loop : loops) {
+        cancellation_.check();
+        const Surroundings around = in_face.around(loop);
+        const std::int32_t from = face.vertex[around.edge];
+        int w = winding(side, from) + around.change;
+        std::int32_t at_exit = element(side, from);
+        for (std::size_t i = 0; i < around.before; ++i) {
+            const EdgeEnd& end = *ends[around.edge][i];
+            w += from == end.low ? end.jump : -end.jump;
+            at_exit = end.segment;
+        }
+        const std::int32_t met = around.segment >= 0 ? around.segment : at_exit;
+        if (w != 0 && met >= 0) sets_.join(loop, met);
+    }
+}
+
+// Returns one end for each crossing of an edge, from `from` to `to`.
+std::vector<const EdgeEnd*> RegionFinder::crossings_of(std::size_t side, std::int32_t from, std::int32_t to) const {
+    const auto key = [](const EdgeEnd& end) { return std::tuple(end.side, end.low, end.high); };
+    const std::tuple edge(side, std::min(from, to), std::max(from, to));
+    auto end = std::lower_bound(ends_.begin(), ends_.end(), edge,
+                                [&](const EdgeEnd& x, const auto& wanted) { return key(x) < wanted; });
+    std::vector<const EdgeEnd*> crossings;
+    for (; end != ends_.end() && key(*end) == edge; ++end)
+        if (crossings.empty() || crossings.back()->crossed != end->crossed) crossings.push_back(&*end);
+    if (from > to) std::reverse(crossings.begin(), crossings.end());
+    return crossings;
+}
+
+std::vector<RegionParts> RegionFinder::parts() {
+    std::vector<RegionParts> regions;
+    std::vector<std::int32_t> region(in_.segments.size() + in_.inside[0].size() + in_.inside[1].size(), -1);
+    const auto region_of = [&](std::int32_t element) -> RegionParts& {
+        std::int32_t& index = region[static_cast<std::size_t>(sets_.find(element))];
+        if (index < 0) {
+            index = static_cast<std::int32_t>(regions.size());
+            regions.emplace_back();
+        }
+        return regions[static_cast<std::size_t>(index)];
+    };
+    for (std::size_t i = 0; i < in_.links; ++i) {
+        RegionParts& of = region_of(static_cast<std::int32_t>(i));
+        of.segments.push_back(static_cast<std::int32_t>(i));
+        of.merged |= merged_[i] != 0;
+    }
+    for (std::size_t side = 0; side < 2; ++side)
+        for (const VertexWinding& vertex : in_.inside[side])
+            region_of(element(side, vertex.vertex)).inside[side].push_back(vertex);
+    std::sort(regions.begin(), regions.end(), [](const auto& x, const auto& y) { return x.key() < y.key(); });
+    return regions;
+}
+
+}  // namespace
+
+std::tuple<std::int32_t, std::size_t, std::int32_t> RegionParts::key() const {
+    constexpr std::int32_t last = std::numeric_limits<std::int32_t>::max();
+    if (!segments.empty()) return {segments[0], 0, 0};
+    const std::size_t side = inside[0].empty() ? 1 : 0;
+    std::int32_t lowest = last;
+    for (const VertexWinding& vertex : inside[side]) lowest = std::min(lowest, vertex.vertex);
+    return {last, side, lowest};
+}
+
+std::vector<RegionParts> find_regions(const RegionInput& input, Cancellation& cancellation) {
+    return RegionFinder(input, cancellation).find();
+}
+
+}  // namespace crumple

@@ -1,0 +1,242 @@
+#include "search/overlap/overlap_row.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "exact/overlap/exact_crossing.h"
+#include "exact/overlap/filtered_crossing.h"
+#include "search/depth/overlap_depth.h"
+#include "search/depth/overlap_depth_bound.h"
+#include "search/overlap/overlap_contact_area.h"
+
+namespace crumple {
+namespace {
+
+/// Result for a chunk of triangle pairs: steps of winding numbers, segments and coplanar pairs.
+struct CrossedPairs {
+    std::array<std::array<WindingSteps, 2>, 2> steps;  ///< by shift (forward, backward) and by surface (first, second)
+    std::vector<Segment> segments, links;
+    std::vector<Pair> coplanar;
+
+    std::size_t bytes() const {
+        std::size_t bytes = bytes_of(segments) + bytes_of(links) + bytes_of(coplanar);
+        for (const auto& shifted : steps)
+            for (const WindingSteps& of_side : shifted) bytes += of_side.bytes();
+        return bytes;
+    }
+};
+
+/// Adds a segment without length if edges of a degenerate face cross the other face.
+void add_link(const Pair& pair, const FaceCrossing& jumps, std::vector<Segment>& links) {
+    const auto crosses = [](int jump) { return jump != 0; };
+    if (std::none_of(jumps.a.begin(), jumps.a.end(), crosses) && std::none_of(jumps.b.begin(), jumps.b.end(), crosses))
+        return;
+    Segment& link = links.emplace_back(segment_of(jumps, [](std::size_t, std::size_t) { return -1; }));
+    link.a = pair.a, link.b = pair.b;
+}
+
+}  // namespace
+
+OverlapRow OverlapOfBodies::find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
+                                 const Vec3d& origin, const Request& request) {
+    sums_.surfaces = {{&a, &b}, origin};
+    pairs_ = pairs;
+    return find(request);
+}
+
+OverlapRow OverlapOfBodies::find_self(const PlacedSurface& body, std::span<const Pair> pairs, const Vec3d& origin,
+                                      const Request& request) {
+    sums_.surfaces = {{&body, &body}, origin};
+    pairs_ = pairs;
+    self_ = request.orientation;
+    OverlapRow row = find(request);
+    row.body_volume = volume_of_body();
+    return row;
+}
+
+OverlapRow OverlapOfBodies::find_open(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs,
+                                      const Vec3d& origin, const Request& request) {
+    sums_.surfaces = {{&a, &b}, origin};
+    pairs_ = pairs;
+    OverlapRow row;
+    row.exists = !pairs.empty();
+    row.relation = OverlapRelation::undefined;
+    row.numbers = undefined_numbers(origin);
+    if (!row.exists || !request.numbers) return row;
+    cross_pairs(false);
+    row.numbers.contact_area = contact_area();
+    if (request.curves) row.curves = curves(origin, forward_segments(), {});
+    return row;
+}
+
+OverlapRow OverlapOfBodies::find(const Request& request) {
+    sums_.numbers = request.numbers;
+    cross_pairs(request.gradient);
+    find_windings(request.gradient);
+    OverlapRow row;
+    row.exists = !pairs_.empty() || !steps(0).intervals().empty() || !steps(1).intervals().empty();
+    if (!row.exists) return row;
+    count_faces();
+    if (request.numbers)
+        row.numbers = finish(sums_, sums_.surfaces.origin, self_ != 0);
+    else
+        row.numbers.volume = sums_.volume([](const auto& totals) { return totals.volume; }, self_ ? 12 : 6);
+    if (request.numbers) row.numbers.contact_area = contact_area();
+    if (self_) row.exists = row.numbers.volume.scaled.mantissa != 0;
+    if (!row.exists) return row;
+    if (std::abs(row.numbers.volume.value) < request.min_volume) return row;
+    row.relation = relate(row.numbers);
+    for (std::size_t side = 0; side < (self_ ? 1 : 2); ++side) {
+        if (request.gradient) row.gradient[side] = gradient(side);
+        if (request.windings) row.windings[side] = windings(side);
+    }
+    if (request.unions && !self_) add_unions(request.orientations, row);
+    if (!self_) add_parts(request, row);
+    return row;
+}
+
+// Decides how each pair crosses, in parallel chunks.
+void OverlapOfBodies::cross_pairs(bool gradient) {
+    constexpr std::size_t chunk = 1024;
+    std::vector<CrossedPairs> parts((pairs_.size() + chunk - 1) / chunk);
+    const bool quick = in_range();
+    const int once = self_ == 0 ? 1 : 0;  // a body with itself has no curves
+    const auto cross = [&](std::size_t part) {
+        cancellation_.check();
+        CrossedPairs& crossed = parts[part];
+        const auto add = [&](const Pair& pair, const DecidedCrossing& crossing, Shift shift, int times) {
+            const bool forward = shift == Shift::forward;
+            auto& steps = crossed.steps[forward ? 0 : 1];
+            steps[0].add_jumps(topology(0), pair.a, crossing.jumps.a);
+            steps[1].add_jumps(topology(1), pair.b, crossing.jumps.b);
+            if (!crossing.jumps.segment && forward) add_link(pair, crossing.jumps, crossed.links);
+            if (!crossing.jumps.segment || (times == 0 && !forward)) return;
+            Segment segment = crossing.segment;
+            segment.a = pair.a, segment.b = pair.b;
+            segment.in_volume = forward;
+            segment.times = static_cast<std::int8_t>(times);
+            crossed.segments.push_back(segment);
+        };
+        const auto add_pair = [&](const Pair& pair, const DecidedCrossings& both) {
+            add(pair, both.forward, Shift::forward, both.tied ? once : 2 * once);
+            if (both.tied || gradient) add(pair, both.backward, Shift::backward, both.tied ? once : 0);
+            if (both.coplanar && (self_ == 0 || pair.a < pair.b)) crossed.coplanar.push_back(pair);
+        };
+        const std::size_t end = std::min(pairs_.size(), (part + 1) * chunk);
+        std::optional<CrossedFace> a;
+        for (std::size_t i = part * chunk; i < end; ++i) {
+            const Pair& pair = pairs_[i];
+            const FaceCorners p = body(0).corners(pair.a), q = body(1).corners(pair.b);
+            if (!quick) {
+                add_pair(pair, decide_crossings(p, q));
+                continue;
+            }
+            if (i == part * chunk || pair.a != pairs_[i - 1].a) a.emplace(p);
+            const CrossedFace b(q);
+            FilteredCrossingSigns signs(*a, b);
+            add_pair(pair, decide_crossings(signs));
+        }
+    };
+    MemoryClaim memory_of_parts(meter_);
+    const auto cross_and_count = [&](std::size_t part) {
+        cross(part);
+        memory_of_parts.add(parts[part].bytes());
+    };
+    if (parts.size() == 1)
+        cross_and_count(0);
+    else
+        workers_.parallel_for(parts.size(), cross_and_count);
+    memory_.add(memory_of_parts.bytes());  // for the joined copies made below
+    std::size_t count = 0;
+    for (const CrossedPairs& part : parts) count += part.segments.size();
+    sums_.segments.reserve(count);
+    for (const CrossedPairs& part : parts) {
+        sums_.segments.insert(sums_.segments.end(), part.segments.begin(), part.segments.end());
+        links_.insert(links_.end(), part.links.begin(), part.links.end());
+        coplanar_.insert(coplanar_.end(), part.coplanar.begin(), part.coplanar.end());
+    }
+    for (std::size_t s = 0; s < (gradient ? 2 : 1); ++s)
+        for (std::size_t side = 0; side < 2; ++side)
+            for (const CrossedPairs& part : parts) steps_[s][side].add(part.steps[s][side]);
+}
+
+void OverlapOfBodies::find_windings(bool gradient) {
+    for (std::size_t s = 0; s < (gradient ? 2 : 1); ++s)
+        for (std::size_t side = 0; side < 2; ++side) {
+            const Shift of_second = both_shifts[s];
+            steps_[s][side].add_components(body(side), body(1 - side), side == 0 ? of_second : opposite(of_second),
+                                           cancellation_);
+            steps_[s][side].make_intervals();
+        }
+}
+
+double OverlapOfBodies::contact_area() {
+    const ContactArea contact = find_contact_area(sums_.surfaces, coplanar_, workers_, cancellation_);
+    was_exact_ |= contact.was_exact;
+    return contact.area;
+}
+
+// Counts each face as often as the winding number at its first corner, plus the jumps where its edge 01 is crossed.
+void OverlapOfBodies::count_faces() {
+    for (std::size_t side = 0; side < 2; ++side) {
+        auto& faces = sums_.faces[side];
+        for (const WindingInterval& interval : steps(side).intervals())
+            for (const std::int32_t face : topology(side).faces(interval.begin, interval.end))
+                faces.push_back({face, interval.winding});
+    }
+    for (const Segment& segment : sums_.segments)
+        if (segment.in_volume) count_crossed_faces(segment, sums_.faces);
+    // For a body with itself, whose overlap is ½ ∫ (w² − w) dx, subtracts the term of w: each face once.
+    for (std::int32_t face = 0; self_ != 0 && face < topology(0).face_count(); ++face)
+        sums_.faces[0].push_back({face, -self_});
+    for (const auto& faces : sums_.faces) memory_.add(bytes_of(faces));
+}
+
+void OverlapOfBodies::count_crossed_faces(const Segment& segment, std::array<std::vector<CountedFace>, 2>& faces) {
+    for (const SegmentEnd& end : {segment.start, segment.end})
+        if (end.edge == 0) faces[end.side].push_back({end.side == 0 ? segment.a : segment.b, end.jump});
+}
+
+OverlapSums OverlapOfBodies::sums_of_surfaces() const {
+    OverlapSums sums(workers_, kernels_, cancellation_);
+    sums.surfaces = sums_.surfaces;
+    sums.numbers = false;
+    return sums;
+}
+
+void OverlapOfBodies::add_depths(const OverlapQuery& query, const std::array<const SurfaceTree*, 2>& tree,
+                                 OverlapRow& row) {
+    std::int64_t rational = 0;
+    std::array<DepthSide, 2> sides{};
+    std::array<std::vector<VertexDepth>, 2> depths;
+    MemoryClaim memory(meter_);
+    for (std::size_t side = 0; side < 2; ++side) {
+        depths[side] = find_depths(body(side), steps(side), *tree[1 - side], workers_, cancellation_, rational);
+        memory.add(bytes_of(depths[side]));
+        sides[side] = {&body(side), &steps(side), depths[side], tree[side]};
+    }
+    if (query.depth_tolerance > 0)
+        row.depth_bounds = find_depth_bounds(sides, pairs_, query.depth_tolerance, workers_, cancellation_);
+    was_exact_ |= rational != 0;
+    if (query.depths) row.depths = std::move(depths);
+}
+
+std::vector<VertexWinding> OverlapOfBodies::inside_vertices(std::size_t side) const {
+    std::vector<VertexWinding> found;
+    std::size_t count = 0;
+    for (const WindingInterval& i : steps(side).intervals()) count += static_cast<std::size_t>(i.end - i.begin);
+    found.reserve(count);
+    for (const WindingInterval& interval : steps(side).intervals())
+        for (std::int32_t place = interval.begin; place < interval.end; ++place)
+            found.push_back({topology(side).vertex_at_place(place), interval.winding});
+    return found;
+}
+
+std::vector<VertexWinding> OverlapOfBodies::windings(std::size_t side) const {
+    std::vector<VertexWinding> found = inside_vertices(side);
+    std::sort(found.begin(), found.end(), [](const auto& x, const auto& y) { return x.vertex < y.vertex; });
+    return found;
+}
+
+}  // namespace crumple
