@@ -1,4 +1,4 @@
-"""Result of an OverlapQuery: relation, volume, normal, curves and derivatives."""
+"""Result of an OverlapQuery: relation, volume, normal, depth, curves, regions and derivatives."""
 
 from __future__ import annotations
 
@@ -27,7 +27,28 @@ _OF_CURVES = (
     "curve_points",
     "curve_triangles",
 )
+_OF_REGIONS = (
+    "region_offsets",
+    "region_volume",
+    "region_centroid",
+    "region_area_vector",
+    "region_normal",
+    "region_mean_depth",
+    "region_thickness",
+    "region_box",
+    "region_is_contact",
+    "region_is_merged",
+    "curve_regions",
+)
+_OF_DEPTHS = ("depth_offsets", "depth_vertices", "depths", "depth_points", "depth_triangles", "deepest")
 _OPTION = {
+    **dict.fromkeys(_OF_REGIONS, "regions"),
+    **dict.fromkeys(_OF_DEPTHS, "depths"),
+    **dict.fromkeys(("depth_reached", "depth_bound"), "depth_tolerance"),
+    **dict.fromkeys(("translation", "translation_low", "translation_high"), "translation"),
+    **dict.fromkeys(("box", "thickness"), "extents"),
+    **dict.fromkeys(("union_volume", "intersection_over_union", "difference_volume"), "unions"),
+    "withdrawals": "directions",
     **dict.fromkeys(_OF_CURVES, "curves"),
     **dict.fromkeys(("gradient", "gradient_vertices", "gradient_offsets"), "gradient"),
     **dict.fromkeys(("windings", "winding_vertices", "winding_offsets"), "windings"),
@@ -132,6 +153,62 @@ class Overlaps(Result):
         "curve.",
         (2,),
     )
+    curve_regions = int64(
+        "(c,) int64, for OverlapQuery(curves=True, regions=True): region of each curve, an index into the regions of "
+        "all rows; -1 if a surface is not closed."
+    )
+    region_offsets = int64(
+        "(k + 1,) int64, for OverlapQuery(regions=True): row i has the regions from region_offsets[i] to "
+        "region_offsets[i + 1]. A region is a connected piece of the boundary of the overlap; cavities have negative "
+        "volumes."
+    )
+    region_volume = float64("(r,) float64: volume of each region, correctly rounded.")
+    region_centroid = float64("(r, 3) float64: centroid; NaN if the volume is 0.", (3,))
+    region_area_vector = float64("(r, 3) float64: area vector, one-sided where surfaces coincide.", (3,))
+    region_normal = float64("(r, 3) float64: direction of the area vector; NaN if that is 0.", (3,))
+    region_mean_depth = float64("(r,) float64: volume over the length of the area vector; NaN if that is 0.")
+    region_thickness = float64("(r,) float64: extent along the region's normal; NaN without a normal.")
+    region_box = float64("(r, 6) float64: low and high corner of the region's box, rounded outwards.", (6,))
+    region_is_contact = bools("(r,) bool: True if the volume is exactly 0.")
+    region_is_merged = bools(
+        "(r,) bool: True if the region may consist of several ones, because a surface passes through itself within it."
+    )
+    box = float64(
+        "(k, 6) float64, for OverlapQuery(extents=True) or regions=True: low and high corner of the box of each "
+        "overlap, rounded outwards.",
+        (6,),
+    )
+    thickness = float64("(k,) float64: extent of each overlap along its normal, correctly rounded; made with `box`.")
+    depth_offsets = int64("(k + 1,) int64: row i has depths[depth_offsets[i] : depth_offsets[i + 1]].")
+    depth_vertices = int32("(m, 2) int32: for each of `depths` the body, and the vertex of its shape.", (2,))
+    depths = float64(
+        "(m,) float64, for OverlapQuery(depths=True): distances of vertices inside the other body to its surface, in "
+        "units of length, correctly rounded."
+    )
+    depth_points = float64("(m, 3) float64: for each of `depths` the closest point of the other surface.", (3,))
+    depth_triangles = int32("(m,) int32: for each of `depths` the triangle of the other body with that point.")
+    deepest = int64("(k,) int64: index into `depths` of each row's deepest vertex; -1 if no vertex is inside.")
+    depth_reached = float64(
+        "(k,) float64, for OverlapQuery(depth_tolerance=...): depth that some point of each row has, rounded down."
+    )
+    depth_bound = float64("(k,) float64: depth that no point of the row exceeds; made with `depth_reached`.")
+    union_volume = float64(
+        "(k,) float64, for OverlapQuery(unions=True): volume of the union of both bodies: the sum of their volumes minus "
+        "that of the overlap."
+    )
+    intersection_over_union = float64("(k,) float64: volume of the overlap over that of the union.")
+    difference_volume = float64("(k, 2) float64: volume of each body without the other one.", (2,))
+    withdrawals = float64(
+        "(k * d,) float64, for d OverlapQuery(directions=...): withdrawals[d * i + j] is the greatest t >= 0 at which "
+        "the first body of row i and the second one, moved by t times direction j, have a common point; 0 if there is "
+        "none. NaN for a body with itself."
+    )
+    translation_low = float64(
+        "(k,) float64, for OverlapQuery(translation=True): lower bound on the length of every path of translations "
+        "that separates the bodies; NaN unless both are known to be solids."
+    )
+    translation_high = float64("(k,) float64: length of a translation that separates the bodies, rounded up.")
+    translation = float64("(k, 3) float64: this translation, of the second body.", (3,))
     windings = int32(
         "(m,) int32: nonzero winding numbers of the other body at vertices, for OverlapQuery(windings=True)."
     )
@@ -145,12 +222,15 @@ class Overlaps(Result):
 
     def _check(self, name: str) -> None:
         option = _OPTION.get(name)
+        given = self._request.options
         of_mesh = option == "self_overlaps" and self._request.scene == "mesh"
-        if option is not None and option not in self._request.options and not of_mesh:
-            self._refuse(name, f"{option}=True")
+        of_regions = option == "extents" and "regions" in given
         least = _FROM.get(name, "pairs")
         if _ORDER.index(self._request.output) < _ORDER.index(least):
             self._refuse(name, f'output="{least}"')
+        if option is not None and option not in given and not of_mesh and not of_regions:
+            value = {"depth_tolerance": "0.01", "directions": "[(0, 0, 1)]"}.get(option, "True")
+            self._refuse(name, f"{option}={value}")
 
     def save(self, path: str | os.PathLike[str], *scene: Any) -> None:
         """Writes a picture in which overlaps are visible from outside.
@@ -199,6 +279,11 @@ class Overlaps(Result):
         points = self.curve_points
         curves = [points[begin:end] for begin, end in pairwise(self.curve_point_offsets.tolist())]
         return [curves[begin:end] for begin, end in pairwise(self.curve_offsets.tolist())]
+
+    @property
+    def regions(self) -> list[slice]:
+        """Regions of each row: slices of `region_volume` and the other arrays of regions."""
+        return [slice(begin, end) for begin, end in pairwise(self.region_offsets.tolist())]
 
     @property
     def count(self) -> int:

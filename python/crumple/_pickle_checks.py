@@ -240,15 +240,45 @@ class _CheckOverlaps(_Check):
         self._that((found.skipped >= 0).all() and (np.diff(found.skipped) > 0).all(), "skipped")
         self._that((found.relation < 6).all(), "relation")
         self._curves(rows)
+        self._regions(rows)
+        self._per_row(rows, {"extents": ("box", "thickness"), "depth_tolerance": ("depth_reached", "depth_bound")})
+        self._per_row(rows, {"unions": ("union_volume", "intersection_over_union", "difference_volume")})
+        self._per_row(rows, {"translation": ("translation_low", "translation_high", "translation")})
+        self._that(rows == 0 or len(found.withdrawals) % rows == 0, "withdrawals")
+        self._that(has("directions") == bool(len(found.withdrawals)) or rows == 0, "withdrawals")
+        depths = len(found.depths)
+        self._that(len(found.depth_points) == len(found.depth_triangles) == depths, "depths")
+        self._that(len(found.deepest) == (rows if has("depths") else 0), "deepest")
+        self._that(((-1 <= found.deepest) & (found.deepest < depths)).all(), "deepest")
         for option, offsets, vertices, values in (
             ("gradient", found.gradient_offsets, found.gradient_vertices, found.gradient),
             ("windings", found.winding_offsets, found.winding_vertices, found.windings),
+            ("depths", found.depth_offsets, found.depth_vertices, found.depths),
         ):
             if has(option):
                 self._offsets(offsets, rows, len(values), option)
             self._that(len(values) == len(vertices) and (has(option) or not len(values)), option)
             self._that((vertices >= 0).all(), option)
         self._that(len(found.body_volume) == len(found.is_solid) and (itself or not len(found.is_solid)), "is_solid")
+
+    def _per_row(self, rows: int, arrays: dict[str, tuple[str, ...]]) -> None:
+        given = self._request.options
+        for option, names in arrays.items():
+            made = option in given or (option == "extents" and "regions" in given)
+            for name in names:
+                self._that(len(getattr(self._found, name)) == (rows if made else 0), name)
+
+    def _regions(self, rows: int) -> None:
+        found, has = self._found, self._request.options.__contains__
+        regions = len(found.region_volume)
+        if has("regions"):
+            self._offsets(found.region_offsets, rows, regions, "region_offsets")
+        self._that(has("regions") or not regions, "regions")
+        for name in ("centroid", "area_vector", "normal", "mean_depth", "thickness", "box", "is_contact", "is_merged"):
+            self._that(len(getattr(found, f"region_{name}")) == regions, f"region_{name}")
+        both = has("regions") and has("curves")
+        self._that(len(found.curve_regions) == (len(found.curve_closed) if both else 0), "curve_regions")
+        self._that(((-1 <= found.curve_regions) & (found.curve_regions < regions)).all(), "curve_regions")
 
     def _curves(self, rows: int) -> None:
         found, has = self._found, "curves" in self._request.options

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from typing import Any, ClassVar, Literal
 
-from ._errors import Function, InvalidType
+from ._errors import Function, InvalidInput, InvalidType
 
 Scope = Literal["both", "between", "within"]
 CandidateKind = Literal["vertex_face", "edge_edge", "edge_face", "face_face", "vertex_edge", "vertex_vertex"]
@@ -417,6 +417,24 @@ class OverlapQuery(Query):
         True: also computes the curves in which surfaces of different bodies cross.
     windings : bool, default False
         True: also computes winding numbers at the vertices.
+    depths : bool, default False
+        True: also computes the depths of vertices of each body inside the other one.
+    depth_tolerance : float, default 0
+        Above 0: also computes bounds on the greatest depth of any point, which differ by at most this.
+    directions : sequence of (x, y, z), default ()
+        Directions along which the second body of each pair is moved away from the first one, for
+        Overlaps.withdrawals; finite, not 0, of any length.
+    translation : bool, default False
+        True: also computes bounds on the length of the least translation that separates two bodies.
+    solids : bool, default False
+        True states that all bodies are solids: no surface passes through itself or is inside out. The lower bound on
+        translations relies on it, and may be too large if it is wrong. With self_overlaps it is computed instead.
+    extents : bool, default False
+        True: also computes boxes and thicknesses of overlaps.
+    unions : bool, default False
+        True: also computes volumes of unions and differences.
+    regions : bool, default False
+        True: also computes the connected regions of each overlap, and boxes and thicknesses.
     filter : PairFilter, optional
         Pairs of bodies to test.
 
@@ -434,10 +452,28 @@ class OverlapQuery(Query):
     gradient: bool = False
     curves: bool = False
     windings: bool = False
+    depths: bool = False
+    depth_tolerance: float = 0.0
+    directions: Sequence[Sequence[float]] = ()
+    translation: bool = False
+    solids: bool = False
+    extents: bool = False
+    unions: bool = False
+    regions: bool = False
     filter: PairFilter = PairFilter()
 
     _call: ClassVar[str] = "overlaps"
     _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports", "any"})
+
+    def __post_init__(self) -> None:
+        """Replaces the directions by an immutable copy."""
+        try:
+            directions = tuple(tuple(map(float, direction)) for direction in self.directions)
+        except (TypeError, ValueError):
+            raise InvalidInput("directions must be a sequence of directions (x, y, z)") from None
+        if any(len(direction) != 3 for direction in directions):
+            raise InvalidInput("directions must have three coordinates each")
+        object.__setattr__(self, "directions", directions)
 
 
 _PLAIN = {query: query() for query in Query.__subclasses__()}

@@ -172,7 +172,11 @@ RESULTS: dict[str, type[Result]] = {
     "distances": Distances,
     "overlaps": Overlaps,
 }
-_OPTIONS = ("index", "triangle_pairs", "closest", "least", "self_overlaps", "gradient", "curves", "windings")
+_OPTIONS = (
+    *("index", "triangle_pairs", "closest", "least"),
+    *("self_overlaps", "gradient", "curves", "windings", "depths", "depth_tolerance"),
+    *("directions", "translation", "extents", "unions", "regions"),
+)
 
 
 def show(found: Any, scene: Any, query: Any, copy: bool, block: bool = False) -> Any:

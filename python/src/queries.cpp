@@ -30,6 +30,16 @@ PairFilter filter_of(nb::handle query) {
             .excluded_groups = group_pairs(given.attr("excluded_groups"))};
 }
 
+// Reads a tuple of tuples of three numbers.
+std::vector<std::array<double, 3>> vectors(const char* name, nb::handle given) {
+    std::vector<std::array<double, 3>> all;
+    for (nb::handle row : nb::cast<nb::tuple>(given)) {
+        const auto vector = nb::cast<nb::tuple>(row);
+        for (std::size_t k = 0; k < 3; ++k) (k == 0 ? all.emplace_back() : all.back())[k] = real(name, vector[k]);
+    }
+    return all;
+}
+
 // Reads the members that ImpactQuery, FirstImpactQuery and FreeStepQuery have in common.
 void read_step(nb::handle given, ImpactQuery& query) {
     query.min_distance = real_of(given, "min_distance");
@@ -102,6 +112,14 @@ void read(nb::handle given, OverlapQuery& query) {
     query.gradient = flag_of(given, "gradient");
     query.curves = flag_of(given, "curves");
     query.windings = flag_of(given, "windings");
+    query.depths = flag_of(given, "depths");
+    query.depth_tolerance = real_of(given, "depth_tolerance");
+    query.directions = vectors("directions", given.attr("directions"));
+    query.translation = flag_of(given, "translation");
+    query.solids = flag_of(given, "solids");
+    query.extents = flag_of(given, "extents");
+    query.unions = flag_of(given, "unions");
+    query.regions = flag_of(given, "regions");
     query.filter = filter_of(given);
 }
 

@@ -285,6 +285,42 @@ void bind_overlaps(nb::module_& module) {
     result.array<bool>(
         "is_solid", [](const R& r) -> auto& { return r.is_solid; });
     numbers("torque_point", &R::torque_point, 3U);
+    numbers("box", &R::box, 6U);
+    numbers("thickness", &R::thickness);
+    result.array<std::int64_t>(
+        "depth_offsets", [](const R& r) -> auto& { return r.depth_offsets; });
+    result.array<std::int32_t>(
+        "depth_vertices", [](const R& r) -> auto& { return r.depth_vertices; }, 2U);
+    numbers("depths", &R::depths);
+    numbers("depth_points", &R::depth_points, 3U);
+    result.array<std::int32_t>(
+        "depth_triangles", [](const R& r) -> auto& { return r.depth_triangles; });
+    result.array<std::int64_t>(
+        "deepest", [](const R& r) -> auto& { return r.deepest; });
+    numbers("depth_reached", &R::depth_reached);
+    numbers("depth_bound", &R::depth_bound);
+    numbers("union_volume", &R::union_volume);
+    numbers("intersection_over_union", &R::intersection_over_union);
+    numbers("difference_volume", &R::difference_volume, 2U);
+    numbers("withdrawals", &R::withdrawals);
+    numbers("translation_low", &R::translation_low);
+    numbers("translation_high", &R::translation_high);
+    numbers("translation", &R::translation, 3U);
+    result.array<std::int64_t>(
+        "region_offsets", [](const R& r) -> auto& { return r.region_offsets; });
+    numbers("region_volume", &R::region_volume);
+    numbers("region_centroid", &R::region_centroid, 3U);
+    numbers("region_area_vector", &R::region_area_vector, 3U);
+    numbers("region_normal", &R::region_normal, 3U);
+    numbers("region_mean_depth", &R::region_mean_depth);
+    numbers("region_thickness", &R::region_thickness);
+    numbers("region_box", &R::region_box, 6U);
+    result.array<bool>(
+        "region_is_contact", [](const R& r) -> auto& { return r.region_is_contact; });
+    result.array<bool>(
+        "region_is_merged", [](const R& r) -> auto& { return r.region_is_merged; });
+    result.array<std::int64_t>(
+        "curve_regions", [](const R& r) -> auto& { return r.curve_regions; });
 }
 
 }  // namespace

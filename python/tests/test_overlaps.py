@@ -139,6 +139,56 @@ def test_open_surfaces_are_refused_by_default_and_may_be_skipped_or_welded(detec
     assert detector.overlaps(UNIT, soup, weld=True).relation.tolist() == [OverlapRelation.EQUAL]
 
 
+def test_a_row_has_regions_with_boxes(detector):
+    bridge = box([0, 0, 0], [6, 1, 1])
+    legs = crumple.Mesh(
+        np.concatenate([box([0.5, 0.25, -2], [1, 0.5, 2.5]).vertices, box([4, 0.25, -2], [1, 0.5, 2.25]).vertices]),
+        np.concatenate([FACES, FACES + 8]),
+    )
+    found = detector.overlaps(bridge, legs, regions=True, curves=True)
+    (regions,) = found.regions
+    assert found.region_volume[regions].tolist() == [0.25, 0.125] and found.volume.tolist() == [0.375]
+    assert found.region_box.tolist() == [[0.5, 0.25, 0, 1.5, 0.75, 0.5], [4, 0.25, 0, 5, 0.75, 0.25]]
+    assert found.region_thickness.tolist() == [0.5, 0.25] == found.region_mean_depth.tolist()
+    assert found.box.tolist() == [[0.5, 0.25, 0, 5, 0.75, 0.5]] and found.thickness.tolist() == [0.5]
+    assert found.curve_regions.tolist() == [0, 1]
+    assert not found.region_is_contact.any() and not found.region_is_merged.any()
+
+
+def test_volumes_of_unions_and_differences(detector):
+    found = detector.overlaps(UNIT, box([0.5, 0, 0]), unions=True)
+    assert found.union_volume.tolist() == [1.5] and found.difference_volume.tolist() == [[0.5, 0.5]]
+    assert found.intersection_over_union[0] == pytest.approx(1 / 3, rel=4e-16)
+    world = crumple.World([UNIT, box([0.25, 0.25, 0.25], 0.5)])
+    assert detector.overlaps(world, unions=True, self_overlaps=True).difference_volume.tolist() == [[0.875, 0]]
+    assert detector.overlaps(UNIT, box([0, 1, 0]), unions=True).intersection_over_union.tolist() == [0]
+
+
+def test_depths_of_vertices_and_of_all_points(detector):
+    found = detector.overlaps(UNIT, box([0.25, 0.25, 0.75]), depths=True, depth_tolerance=1e-3)
+    deepest = found.deepest[0]
+    assert found.depths[deepest] == found.depths.max() == 0.25
+    assert sorted(found.depth_vertices.tolist()) == found.depth_vertices.tolist()
+    assert found.depth_offsets.tolist() == [0, len(found.depths)] == [0, 2]
+    assert found.depth_reached[0] <= 0.25 <= found.depth_bound[0] <= found.depth_reached[0] + 1.1e-3
+    bars = detector.overlaps(box([0, -3, 0], [1, 6, 1]), box([-3, 0, 0.5], [6, 1, 1]), depths=True, depth_tolerance=1e-3)
+    assert len(bars.depths) == 0 and bars.deepest.tolist() == [-1] and 0.498 < bars.depth_reached[0] <= 0.5
+
+
+def test_withdrawals_along_directions_and_bounds_on_translations(detector):
+    directions = [(0, 0, 2), (0, 0, -1), (1, 0, 0)]
+    found = detector.overlaps(UNIT, box([0.25, 0.25, 0.75]), directions=directions, translation=True, solids=True)
+    assert found.withdrawals.tolist() == [0.125, 1.75, 0.75]
+    assert found.translation_high[0] == pytest.approx(0.25, rel=1e-12) and found.translation_high[0] >= 0.25
+    assert found.translation.tolist() == [[0, 0, 0.25]]
+    assert 0.05 < found.translation_low[0] <= 0.25
+    assert np.isnan(detector.overlaps(UNIT, UNIT, translation=True).translation_low).all()
+    world = crumple.World([UNIT, box([0.25, 0.25, 0.75])])
+    proved = detector.overlaps(world, translation=True, self_overlaps=True)
+    assert proved.translation_low.tolist() == found.translation_low.tolist()
+    assert detector.overlaps(UNIT, box([3, 0, 0]), directions=directions).withdrawals.tolist() == []
+
+
 def test_error_explains_how_to_request_a_missing_array(detector):
     found = detector.overlaps(UNIT, UNIT, output="body_pairs")
     with pytest.raises(crumple.InvalidInput, match=r'volume was not requested: OverlapQuery\(output="pairs"\)'):
@@ -148,6 +198,10 @@ def test_error_explains_how_to_request_a_missing_array(detector):
         ("windings", "windings"),
         ("curve_points", "curves"),
         ("is_solid", "self_overlaps"),
+        ("depths", "depths"),
+        ("box", "extents"),
+        ("region_volume", "regions"),
+        ("translation_low", "translation"),
     ):
         with pytest.raises(crumple.InvalidInput, match=rf"{name} was not requested: OverlapQuery\({option}=True\)"):
             getattr(detector.overlaps(UNIT, UNIT), name)
@@ -161,6 +215,11 @@ def test_error_explains_how_to_request_a_missing_array(detector):
         ({"output": "count"}, "output must be one of"),
         ({"open": "close"}, 'open must be one of "error", "skip", "curves", not "close"'),
         ({"filter": crumple.PairFilter(bodies="within")}, "bodies must not be within"),
+        ({"depth_tolerance": -0.1}, "depth_tolerance must be finite and 0 or more"),
+        ({"directions": [(0, 0, 0)]}, "a direction must not be 0"),
+        ({"directions": [(0, 0, float("inf"))]}, "directions must be finite"),
+        ({"directions": [(0, 0)]}, "directions must have three coordinates each"),
+        ({"directions": (0, 0, 1)}, "directions must be a sequence of directions"),
     ],
 )
 def test_invalid_options_are_refused(detector, options, message):
@@ -170,7 +229,11 @@ def test_invalid_options_are_refused(detector, options, message):
 
 def test_results_can_be_copied_and_pickled(detector):
     found = detector.overlaps(
-        crumple.World([UNIT, box([0.5, 0, 0])]), self_overlaps=True, gradient=True, windings=True, curves=True
+        crumple.World([UNIT, box([0.5, 0.2, 0.3])]),
+        **dict.fromkeys(("self_overlaps", "gradient", "windings", "curves", "regions", "depths", "translation"), True),
+        unions=True,
+        depth_tolerance=0.01,
+        directions=[(1, 0, 0)],
     )
     for same in (pickle.loads(pickle.dumps(found)), copy.copy(found), copy.deepcopy(found)):
         for name in (
@@ -194,6 +257,15 @@ def test_results_can_be_copied_and_pickled(detector):
             "curve_triangles",
             "curve_closed",
             "curve_area_vector",
+            "curve_regions",
+            "region_offsets",
+            "region_box",
+            "thickness",
+            "depths",
+            "deepest",
+            "depth_bound",
+            "withdrawals",
+            "translation_low",
         ):
             np.testing.assert_array_equal(getattr(same, name), getattr(found, name), name)
     assert repr(found) == repr(copy.copy(found)) and "1 pair of bodies" in repr(found)
