@@ -12,12 +12,16 @@
 namespace crumple::cli {
 namespace {
 
+constexpr NumberRange any_tolerance{std::numeric_limits<double>::infinity(), "tolerance of 0 or more"};
 constexpr NumberRange any_volume{std::numeric_limits<double>::infinity(), "volume of 0 or more"};
 
 OverlapQuery query_of(const OverlapOptions& options, Output output, const BodyScene& scene, std::size_t count) {
     OverlapQuery query;
     query.output = output;
     query.min_volume = options.min_volume;
+    query.regions = options.regions;
+    query.depth_tolerance = options.depth_tolerance;
+    query.directions = options.directions;
     query.self_overlaps = options.self || scene.names().size() == 1;
     query.open = options.open;  // query.weld is not set: vertices are welded when files are read
     query.filter.excluded_bodies = scene.excluded(count);
@@ -33,6 +37,30 @@ constexpr std::array<std::size_t, 5> kinds{0, 1, 2, 2, 3};
 constexpr std::array<const char*, 4> kind_words{"touching", "overlapping", "nested", "equal"};
 
 std::string number_of_text(double number) { return fmt::format("{:.6g}", number + 0.0); }
+std::string vector_of_text(std::span<const double, 3> v) {
+    return fmt::format("({} {} {})", number_of_text(v[0]), number_of_text(v[1]), number_of_text(v[2]));
+}
+
+/// Writes the depth, the withdrawals and the regions of a row, each on a line of its own. `region`: index of the row's
+/// first region; set to that of the next row.
+void write_parts(std::ostream& out, const io::OverlapList& list, std::size_t row, const std::string& unit,
+                 std::size_t& region) {
+    if (!list.depth_bound.empty() && !std::isnan(list.depth_bound[row]))
+        out << "  greatest depth between " << number_of_text(list.depth_reached[row]) << " and "
+            << number_of_text(list.depth_bound[row]) << unit << '\n';
+    const std::size_t directions = list.withdrawals.size() / list.rows.size();
+    for (std::size_t j = 0; j < directions; ++j)
+        if (const double t = list.withdrawals[row * directions + j]; !std::isnan(t))
+            out << "  direction " << j << ": the second body is free after " << number_of_text(t)
+                << " times the direction\n";
+    for (int number = 0; region < list.regions.size() && list.regions[region].row == static_cast<std::int32_t>(row);
+         ++region, ++number) {
+        const io::OverlapListRegion& r = list.regions[region];
+        out << "  region " << number << ": volume " << number_of_text(r.volume()) << unit << (unit.empty() ? "" : "^3");
+        if (!std::isnan(r.thickness())) out << ", thickness " << number_of_text(r.thickness()) << unit;
+        out << ", from " << vector_of_text(r.low()) << " to " << vector_of_text(r.high()) << '\n';
+    }
+}
 
 }  // namespace
 
@@ -60,6 +88,27 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
     return added;
 }
 
+void add_overlap_parts(CLI::App& app, OverlapOptions& options) {
+    app.add_flag("--regions", options.regions,
+                 "also the connected regions of each overlap, with volume, thickness and box; not in .csv");
+    const auto set = [&options](double value) { options.depth_tolerance = value; };
+    add_number_option(app, "--depth-tolerance", set, any_tolerance,
+                      "also bounds on the greatest depth of any point, which differ by at most this; not in .csv")
+        ->type_name("D");
+    app.add_option_function<std::vector<double>>(
+           "--withdraw",
+           [&options](const std::vector<double>& numbers) {
+               if (numbers.size() % 3 != 0) refuse("--withdraw needs three numbers, as in --withdraw 0,0,1");
+               for (std::size_t i = 0; i < numbers.size(); i += 3)
+                   options.directions.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+           },
+           "also how far the second body has to move along this direction until it is past the first one, in multiples "
+           "of the direction; may be repeated; not in .csv")
+        ->type_name("X,Y,Z")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+}
+
 FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const OverlapOptions& options,
                             Output output) {
     if (scene.names().empty()) refuse("overlap needs bodies; " + scene.origins().files + " holds none");
@@ -68,6 +117,8 @@ FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const
     FoundOverlaps result;
     result.list.has_configurations = has_configurations;
     result.list.has_numbers = output == Output::pairs;
+    for (const auto& direction : options.directions)
+        result.list.directions.insert(result.list.directions.end(), direction.begin(), direction.end());
     std::set<std::int32_t> skipped;
     const auto take = [&](const Overlaps& found, std::size_t first, std::size_t) {
         for (const std::int32_t body : found.skipped) skipped.insert(body % bodies);
@@ -95,7 +146,9 @@ FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const
 void write_text(std::ostream& out, const io::OverlapList& list, const io::OverlapBodies& bodies) {
     const std::string unit = bodies.unit == io::Unit::unknown ? "" : std::string(" ") + io::name_of(bodies.unit);
     const auto name = [&](std::int32_t body) { return quoted_name(bodies.names[static_cast<std::size_t>(body)]); };
-    for (const io::OverlapListRow& row : list.rows) {
+    std::size_t region = 0;
+    for (std::size_t i = 0; i < list.rows.size(); ++i) {
+        const io::OverlapListRow& row = list.rows[i];
         if (list.has_configurations) out << "configuration " << row.configuration << ": ";
         const bool with_itself = row.bodies.first == row.bodies.second;
         const char* const sentence =
@@ -104,11 +157,11 @@ void write_text(std::ostream& out, const io::OverlapList& list, const io::Overla
         if (list.has_numbers) {
             out << ": volume " << number_of_text(row.volume()) << unit << (unit.empty() ? "" : "^3");
             if (!std::isnan(row.mean_depth())) out << ", mean depth " << number_of_text(row.mean_depth()) << unit;
-            const auto [x, y, z] = row.normal();
-            if (!std::isnan(x))
-                out << ", normal (" << number_of_text(x) << ' ' << number_of_text(y) << ' ' << number_of_text(z) << ')';
+            const std::array<double, 3> normal = row.normal();
+            if (!std::isnan(normal[0])) out << ", normal " << vector_of_text(normal);
         }
         out << '\n';
+        write_parts(out, list, i, unit, region);
     }
 }
 

@@ -2,6 +2,7 @@
 
 // Search for overlaps of bodies read from files, and texts about them.
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -15,9 +16,14 @@ namespace crumple::cli {
 struct OverlapOptions {
     double min_volume = 0;
     OpenSurfaces open = OpenSurfaces::error;
+    bool regions = false;
+    double depth_tolerance = 0;
+    std::vector<std::array<double, 3>> directions = {};
     bool self = false;  ///< overlaps of each body with itself, too; implied if there is one body
     BodyOptions bodies;
 };
+/// Adds options for numbers that `verify` does not check, to a command that writes rows.
+void add_overlap_parts(CLI::App& app, OverlapOptions& options);
 /// Adds these options to a command and returns them. `condition`: prefix of the help of each option.
 std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOptions& options,
                                                     const std::string& condition);
@@ -34,6 +40,7 @@ FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const
                             Output output);
 
 /// Writes a sentence for each row: "lid and pot overlap: volume 0.5 mm^3, mean depth 0.1 mm, normal (0 0 1)".
+/// Below it, lines for depths, withdrawals and regions, if the list has them.
 void write_text(std::ostream& out, const io::OverlapList& list, const io::OverlapBodies& bodies);
 
 /// Returns "2 pairs of bodies (1 touching, 1 overlapping), 3 of 5 bodies, 1.2 ms", or "nothing overlaps: 5 bodies, 1.2

@@ -51,6 +51,14 @@ struct OverlapCommand : SearchCommand {
             if (is_standard(path) && outputs.format == "obj")
                 refuse("-o - --format obj: a coloured .obj needs a file beside it");
         }
+        const bool has_parts = overlap.regions || overlap.depth_tolerance > 0 || !overlap.directions.empty();
+        for (const std::string& path : outputs.paths)
+            if (has_parts && extension_of(path, outputs.format) == ".csv")
+                refuse("-o " + path + ": regions, depths and withdrawals are written as .txt, .json or .npz");
+        if (has_parts && (body_pairs || overlap.bodies.any))
+            refuse(
+                "--regions, --depth-tolerance and --withdraw need all numbers of a row, so neither --body-pairs nor "
+                "--any-by-world");
         if (!overlap.bodies.any) return;
         if (overlap.bodies.poses.empty())
             refuse("--any-by-world needs --poses; to find out whether anything overlaps, use --check");
@@ -162,6 +170,7 @@ Command add_overlap(CLI::App& app) {
         command.add_flag("--body-pairs", overlap->body_pairs,
                          "List only which bodies overlap or touch, and how, without volumes and normals");
     add_overlap_options(command, overlap->overlap, "");
+    add_overlap_parts(command, overlap->overlap);
     command.add_flag("--any-by-world", overlap->overlap.bodies.any,
                      "With --poses: list only whether bodies overlap or touch in each configuration, which is a world");
     body_pairs->excludes("--any-by-world");
@@ -178,6 +187,7 @@ Command add_overlap(CLI::App& app) {
         "need --weld.\n\n"
         "Example: crumple overlap lid.stl pot.stl\n"
         "         crumple overlap lid.stl pot.stl -o overlap.html\n"
+        "         crumple overlap lid.stl pot.stl --regions --depth-tolerance 0.01 --withdraw 0,0,1\n"
         "         crumple overlap robot.glb --excluded-bodies base,arm --min-volume 1e-9 -o overlaps.csv");
     return {&command, [overlap] { return overlap->run(); }};
 }

@@ -18,11 +18,11 @@ namespace {
 constexpr std::array<std::string_view, 6> relation_names{"touching",      "overlapping", "first_inside",
                                                          "second_inside", "equal",       "undefined"};
 
-/// Calls use(quantity, index of its first number in OverlapListRow::numbers) for each quantity.
+/// Calls use(quantity, index of its first number among the numbers of a row) for each quantity.
 template <class Use>
-void for_each_quantity(Use use) {
+void for_each_quantity(std::span<const OverlapQuantity> quantities, Use use) {
     std::size_t place = 0;
-    for (const OverlapQuantity& quantity : overlap_quantities) {
+    for (const OverlapQuantity& quantity : quantities) {
         use(quantity, place);
         place += quantity.width;
     }
@@ -39,7 +39,7 @@ RowTable overlap_rows(bool has_configurations, bool has_numbers) {
     add("second", FieldType::word, "body");
     add("relation", FieldType::word, "relation");
     if (!has_numbers) return table;
-    for_each_quantity([&](const OverlapQuantity& quantity, std::size_t) {
+    for_each_quantity(overlap_quantities, [&](const OverlapQuantity& quantity, std::size_t) {
         for (std::size_t k = 0; k < quantity.width; ++k) {
             const std::string axis = quantity.width > 1 ? std::string("_") + "xyz"[k] : "";
             add(std::string(quantity.name) + axis, FieldType::number, "number", quantity.may_be_nan);
@@ -58,19 +58,41 @@ ListArray array_of(const OverlapQuantity& quantity) {
     return array;
 }
 
-/// Returns an array filled with what numbers_of(row) returns for each row of the list: `array.width` numbers.
-template <class NumbersOf>
-ListMember member_of(ListArray array, const OverlapList& list, NumbersOf numbers_of) {
-    using Number = std::remove_cvref_t<decltype(numbers_of(list.rows[0])[0])>;
+/// Returns an array filled with what numbers_of(row) returns for each row: `array.width` numbers.
+template <class Row, class NumbersOf>
+ListMember member_of(ListArray array, const std::vector<Row>& rows, NumbersOf numbers_of) {
+    using Number = std::remove_cvref_t<decltype(numbers_of(rows[0])[0])>;
     const auto own = std::make_shared<std::vector<Number>>();
-    own->reserve(list.rows.size() * array.width);
-    for (const OverlapListRow& row : list.rows) {
+    own->reserve(rows.size() * array.width);
+    for (const Row& row : rows) {
         const auto& numbers = numbers_of(row);
         own->insert(own->end(), numbers.begin(), numbers.end());
     }
-    ListMember member{std::move(array), own->data(), list.rows.size()};
+    ListMember member{std::move(array), own->data(), rows.size()};
     member.owner = own;
     return member;
+}
+
+/// Adds regions, depths and withdrawals, if the list has them.
+void add_parts(const OverlapList& list, std::vector<ListMember>& members) {
+    const auto add = [&](const char* name, const std::vector<double>& numbers, std::size_t width) {
+        if (numbers.empty()) return;
+        ListArray array{name, NumberType::float64, width};
+        array.may_be_nan = true;
+        members.push_back(ListMember{std::move(array), numbers.data(), numbers.size() / width});
+    };
+    add("depth_reached", list.depth_reached, 1);
+    add("depth_bound", list.depth_bound, 1);
+    add("directions", list.directions, 3);
+    if (!list.rows.empty()) add("withdrawals", list.withdrawals, list.withdrawals.size() / list.rows.size());
+    if (list.regions.empty()) return;
+    members.push_back(member_of(ListArray{"region_rows", NumberType::int32, 1}, list.regions,
+                                [](const OverlapListRegion& region) { return std::array{region.row}; }));
+    for_each_quantity(region_quantities, [&](const OverlapQuantity& quantity, std::size_t place) {
+        members.push_back(member_of(array_of(quantity), list.regions, [&](const OverlapListRegion& region) {
+            return std::span(region.numbers).subspan(place, quantity.width);
+        }));
+    });
 }
 
 std::vector<ListMember> members_of(const OverlapList& list, const OverlapBodies& bodies, const Statistics& statistics) {
@@ -84,20 +106,21 @@ std::vector<ListMember> members_of(const OverlapList& list, const OverlapBodies&
     };
     std::vector<ListMember> members{json_member("names", json_of_names), json_member("unit", json_of_unit)};
     if (list.has_configurations)
-        members.push_back(member_of(configuration_array, list,
+        members.push_back(member_of(configuration_array, list.rows,
                                     [](const OverlapListRow& row) { return std::array{row.configuration}; }));
-    members.push_back(member_of(bodies_array, list, [](const OverlapListRow& row) {
+    members.push_back(member_of(bodies_array, list.rows, [](const OverlapListRow& row) {
         return std::array{row.bodies.first, row.bodies.second};
     }));
-    members.push_back(member_of(relation_array, list, [](const OverlapListRow& row) {
+    members.push_back(member_of(relation_array, list.rows, [](const OverlapListRow& row) {
         return std::array{static_cast<std::uint8_t>(row.relation)};
     }));
-    for_each_quantity([&](const OverlapQuantity& quantity, std::size_t place) {
+    for_each_quantity(overlap_quantities, [&](const OverlapQuantity& quantity, std::size_t place) {
         if (!list.has_numbers) return;
-        members.push_back(member_of(array_of(quantity), list, [&](const OverlapListRow& row) {
+        members.push_back(member_of(array_of(quantity), list.rows, [&](const OverlapListRow& row) {
             return std::span(row.numbers).subspan(place, quantity.width);
         }));
     });
+    add_parts(list, members);
     members.push_back(json_member("statistics", [&](Sink& sink) { sink << json_of(statistics); }));
     return members;
 }
@@ -191,7 +214,7 @@ class OverlapReader {
         }
         list_.has_numbers = std::any_of(overlap_quantities.begin(), overlap_quantities.end(),
                                         [&](const auto& quantity) { return numbers.contains(quantity.name); });
-        for_each_quantity([&](const OverlapQuantity& quantity, std::size_t place) {
+        for_each_quantity(overlap_quantities, [&](const OverlapQuantity& quantity, std::size_t place) {
             if (!list_.has_numbers) return;
             const std::vector<double>& values = need(numbers, array_of(quantity)).numbers;
             for (std::size_t i = 0; i < values.size(); ++i)
@@ -226,6 +249,23 @@ class OverlapReader {
 
 std::string_view name_of(OverlapRelation relation) { return relation_names[static_cast<std::size_t>(relation)]; }
 
+void OverlapList::add_region(const Overlaps& overlaps, std::int64_t r, std::int32_t row) {
+    auto number = regions.emplace_back(OverlapListRegion{row}).numbers.begin();
+    const auto put = [&](const auto& quantity) {
+        if constexpr (requires { quantity[r].size(); })
+            number = std::copy(quantity[r].begin(), quantity[r].end(), number);
+        else
+            *number++ = quantity[r];
+    };
+    put(overlaps.region_volume);
+    put(overlaps.region_centroid);
+    put(overlaps.region_area_vector);
+    put(overlaps.region_normal);
+    put(overlaps.region_mean_depth);
+    put(overlaps.region_thickness);
+    put(overlaps.region_box);
+}
+
 void OverlapList::add(const Overlaps& overlaps, std::int32_t bodies, std::int32_t first_configuration) {
     const std::size_t first = rows.size(), count = overlaps.bodies.size();
     rows.resize(first + count);
@@ -251,7 +291,14 @@ void OverlapList::add(const Overlaps& overlaps, std::int32_t bodies, std::int32_
         put(overlaps.torque);
         put(overlaps.torque_point);
         put(overlaps.contact_area);
+        for (std::int64_t r = overlaps.region_offsets.empty() ? 0 : overlaps.region_offsets[i];
+             !overlaps.region_offsets.empty() && r < overlaps.region_offsets[i + 1]; ++r)
+            add_region(overlaps, r, static_cast<std::int32_t>(first + i));
     }
+    for (const auto& [from, to] :
+         {std::pair(&overlaps.depth_reached, &depth_reached), std::pair(&overlaps.depth_bound, &depth_bound),
+          std::pair(&overlaps.withdrawals, &withdrawals)})
+        to->insert(to->end(), from->begin(), from->end());
 }
 
 void write_overlaps(const std::filesystem::path& path, const OverlapList& list, const OverlapBodies& bodies,

@@ -44,6 +44,29 @@ inline constexpr std::size_t overlap_number_count = [] {
     return count;
 }();
 
+/// Numbers of each region, with the name of the member of Overlaps that has it.
+inline constexpr std::array<OverlapQuantity, 7> region_quantities{{
+    {"region_volume", 1},
+    {"region_centroid", 3, true},
+    {"region_area_vector", 3},
+    {"region_normal", 3, true},
+    {"region_mean_depth", 1, true},
+    {"region_thickness", 1, true},
+    {"region_box", 6, true},
+}};
+inline constexpr std::size_t region_number_count = 18;
+
+/// Region of a row of a list of overlaps.
+struct OverlapListRegion {
+    std::int32_t row;
+    std::array<double, region_number_count> numbers{};  ///< the quantities, one after the other
+
+    double volume() const { return numbers[0]; }
+    double thickness() const { return numbers[11]; }
+    std::span<const double, 3> low() const { return std::span<const double, 3>(&numbers[12], 3); }
+    std::span<const double, 3> high() const { return std::span<const double, 3>(&numbers[15], 3); }
+};
+
 /// Row of a list of overlaps.
 struct OverlapListRow {
     std::int32_t configuration = 0;
@@ -61,10 +84,19 @@ struct OverlapList {
     bool has_configurations = false;
     bool has_numbers = true;
     std::vector<OverlapListRow> rows = {};
+    // If requested; written as .json and .npz, and not read:
+    std::vector<OverlapListRegion> regions = {};
+    std::vector<double> depth_reached = {}, depth_bound = {};  ///< by row
+    std::vector<double> directions = {};                       ///< directions of withdrawals, three numbers each
+    std::vector<double> withdrawals = {};                      ///< by row and direction
 
     /// Adds the rows of `overlaps`, found in one search of several worlds that have `bodies` bodies each. World w
     /// becomes configuration `first_configuration` + w.
     void add(const Overlaps& overlaps, std::int32_t bodies, std::int32_t first_configuration);
+
+   private:
+    /// Adds region r of all regions of `overlaps`; `row`: index of its row in `rows`.
+    void add_region(const Overlaps& overlaps, std::int64_t r, std::int32_t row);
 };
 
 /// Properties of bodies that are written to files.
