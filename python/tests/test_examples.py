@@ -27,9 +27,17 @@ SAYS = {
     "cloth_on_a_device": r"on the (host|device): \d+ queries, \d\d+ times a vertex stayed\n0 pairs of triangles",
     "ranks": r"(frame \d: \d{3,} pairs, \d+ on rank 0, \d+ on rank 1\n){4}"
     r"to frame 4: \d{3,} impacts; \d{3,} pairs of features are near\none process alone: \d{3,} pairs\n",
+    "rigid_drop": r"(step 1/\d+ s: the contact stores up to 9\d% .*\n){2}a quarter .*: \d+ times less error\n",
+    "untangle_cloth": r"step   0:  479 pairs .*\n(step .*\n)*step .*:    0 pairs .*\nno pair intersects; edges have",
+    "fit_by_volume": r"(derivative .* by differences .*\n){3}step   0: IoU 0\.12301\n(.*\n)*step  60: IoU 0\.99",
     "ipc_toolkit": r"LBVH .* intersects at the start\nCrumple        2 candidates, .* intersects .*\nexact    0.164",
 }
-MORE_ARGUMENTS = {"cloth_that_never_passes_through_itself": ["0.6"]}
+MORE_ARGUMENTS = {
+    "cloth_that_never_passes_through_itself": ["0.6"],
+    "rigid_drop": ["1"],
+    "untangle_cloth": ["25"],
+    "fit_by_volume": ["60"],
+}
 ANIMATED = {"cloth_that_never_passes_through_itself"}
 WITHOUT_PICTURE = {"parts_in_processes", "ipc_toolkit", "cloth_on_a_device", "ranks"}
 
@@ -42,6 +50,8 @@ def test_every_python_example_is_tested():
 def test_example_prints_the_expected_output_and_saves_its_picture(name, tmp_path):
     if name == "ipc_toolkit":
         peer("ipctk")
+    if name == "fit_by_volume":
+        pytest.importorskip("torch")
     if name == "ranks" and mpi.missing():
         pytest.skip(mpi.missing())
     painted = ("gif" if name in ANIMATED else "png") if importlib.util.find_spec("pyvista") else "html"
