@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <set>
 
@@ -37,6 +38,22 @@ constexpr std::array<std::size_t, 5> kinds{0, 1, 2, 2, 3};
 constexpr std::array<const char*, 4> kind_words{"touching", "overlapping", "nested", "equal"};
 
 std::string number_of_text(double number) { return fmt::format("{:.6g}", number + 0.0); }
+/// Reads a direction, "0,0,1".
+std::array<double, 3> direction_of(const std::string& text) {
+    std::array<double, 3> direction{};
+    const char *at = text.data(), *const end = at + text.size();
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (k > 0 && (at == end || *at++ != ',')) refuse("--withdraw " + text + ": a direction is written as 0,0,1");
+        const auto [next, error] = std::from_chars(at, end, direction[k]);
+        if (error != std::errc() || !std::isfinite(direction[k]))
+            refuse("--withdraw " + text + ": a direction is written as 0,0,1");
+        at = next;
+    }
+    if (at != end) refuse("--withdraw " + text + ": a direction is written as 0,0,1");
+    if (direction == std::array<double, 3>{}) refuse("--withdraw " + text + ": the direction must not be 0");
+    return direction;
+}
+
 std::string vector_of_text(std::span<const double, 3> v) {
     return fmt::format("({} {} {})", number_of_text(v[0]), number_of_text(v[1]), number_of_text(v[2]));
 }
@@ -95,17 +112,14 @@ void add_overlap_parts(CLI::App& app, OverlapOptions& options) {
     add_number_option(app, "--depth-tolerance", set, any_tolerance,
                       "also bounds on the greatest depth of any point, which differ by at most this; not in .csv")
         ->type_name("D");
-    app.add_option_function<std::vector<double>>(
+    app.add_option_function<std::vector<std::string>>(
            "--withdraw",
-           [&options](const std::vector<double>& numbers) {
-               if (numbers.size() % 3 != 0) refuse("--withdraw needs three numbers, as in --withdraw 0,0,1");
-               for (std::size_t i = 0; i < numbers.size(); i += 3)
-                   options.directions.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+           [&options](const std::vector<std::string>& given) {
+               for (const std::string& direction : given) options.directions.push_back(direction_of(direction));
            },
            "also how far the second body has to move along this direction until it is past the first one, in multiples "
            "of the direction; may be repeated; not in .csv")
         ->type_name("X,Y,Z")
-        ->delimiter(',')
         ->allow_extra_args(false);
 }
 

@@ -124,6 +124,31 @@ TEST_F(Overlap, relations_of_closed_bodies_are_printed_in_words) {
               "low and on touch: volume 0, mean depth 0, normal (0 0 1)\nsmall lies inside low: volume 0.015625\n");
 }
 
+TEST_F(Overlap, regions_depths_and_withdrawals_are_printed_and_written) {
+    write("pin.off", box_off({0.25, 0.25, 0.75}, {0.75, 0.75, 1.75}));
+    const std::string parts = "--regions --depth-tolerance 0.01 --withdraw 0,0,2 --withdraw -1,0,0 ";
+    const std::string printed = text("low.off pin.off " + parts, "1 pair");
+    EXPECT_TRUE(contains(printed, "\n  greatest depth between 0.25 and 0.25")) << printed;
+    EXPECT_TRUE(contains(printed,
+                         "\n  direction 0: the second body is free after 0.125 times the direction\n"
+                         "  direction 1: the second body is free after 0.75 times the direction\n"))
+        << printed;
+    EXPECT_TRUE(
+        contains(printed, "\n  region 0: volume 0.0625, thickness 0.25, from (0.25 0.25 0.75) to (0.75 0.75 1)\n"))
+        << printed;
+    ASSERT_EQ(crumple("overlap low.off pin.off far.off " + parts + "-o a.json -o a.npz").status, 0);
+    const auto json = nlohmann::json::parse(read("a.json"));
+    EXPECT_EQ(json["withdrawals"].dump(), "[[0.125,0.75]]");
+    EXPECT_EQ(json["directions"].dump(), "[[0,0,2],[-1,0,0]]");
+    EXPECT_EQ(json["region_rows"].dump(), "[0]");
+    EXPECT_EQ(json["region_box"].dump(), "[[0.25,0.25,0.75,0.75,0.75,1]]");
+    EXPECT_LE(json["depth_reached"][0].get<double>(), 0.25);
+    EXPECT_GE(json["depth_bound"][0].get<double>(), 0.25);
+    for (const char* const array : {"region_rows", "region_volume", "region_thickness", "withdrawals", "depth_bound"})
+        EXPECT_TRUE(contains(read("a.npz"), std::string(array) + ".npy")) << array;
+    EXPECT_EQ(crumple("verify --overlaps low.off pin.off far.off a.json").status, 0);
+}
+
 TEST_F(Overlap, backends_and_thread_counts_give_the_same_bytes) {
     const std::string files = "low.off high.off on.off small.off -o - --format csv ";
     const std::string one = crumple("overlap " + files + "--threads 1").out;
@@ -382,6 +407,14 @@ TEST_F(Overlap, wrong_options_are_refused) {
     expect_refused("overlap low.off high.off --poses p.csv --any-by-world -o a.npz",
                    "with --any-by-world, rows are written as .txt, .csv or .json");
     expect_refused("overlap low.off high.off --poses p.csv --any-by-world --body-pairs", "excludes");
+    expect_refused("overlap low.off high.off --regions -o a.csv",
+                   "regions, depths and withdrawals are written as .txt, .json or .npz");
+    expect_refused("overlap low.off high.off --regions --body-pairs", "need all numbers of a row");
+    expect_refused("overlap low.off high.off --depth-tolerance -1", "--depth-tolerance");
+    for (const char* const direction : {"0,0", "0,0,1,", "a,b,c", "0,0,nan", "0 0 1"})
+        expect_refused(std::string("overlap low.off high.off --withdraw \"") + direction + '"',
+                       "a direction is written as 0,0,1");
+    expect_refused("overlap low.off high.off --withdraw 0,0,0", "the direction must not be 0");
     expect_refused("overlap - -", "standard input, -, can be read only once");
     write("list.csv", heading);
     expect_refused("verify low.off high.off list.csv --min-volume 1", "--min-volume needs --overlaps");

@@ -15,17 +15,6 @@
 namespace crumple::test {
 namespace {
 
-const OverlapQuery everything{.self_overlaps = true,
-                              .gradient = true,
-                              .curves = true,
-                              .windings = true,
-                              .depths = true,
-                              .depth_tolerance = 0.5,
-                              .directions = {{1, 0, 0}, {-1, 2, 0.25}},
-                              .translation = true,
-                              .unions = true,
-                              .regions = true};
-
 /// Compares all queries of this file about one world; returns the number of rows.
 std::int64_t compare(Detector& cuda, Detector& cpu, const World& there, const World& here) {
     std::int64_t rows = 0;

@@ -24,6 +24,18 @@ struct ClosedBodies {
     World view() const { return {shapes, bodies, poses}; }
 };
 
+/// Query that computes everything.
+inline const OverlapQuery everything{.self_overlaps = true,
+                                     .gradient = true,
+                                     .curves = true,
+                                     .windings = true,
+                                     .depths = true,
+                                     .depth_tolerance = 0.5,
+                                     .directions = {{1, 0, 0}, {-1, 2, 0.25}},
+                                     .translation = true,
+                                     .unions = true,
+                                     .regions = true};
+
 inline void add_tetrahedron(Dice& dice, bool grid, double size, Soup<double>& soup) {
     const auto first = static_cast<std::int32_t>(soup.vertices.size());
     for (int v = 0; v < 4; ++v) {
