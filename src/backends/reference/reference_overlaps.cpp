@@ -1,3 +1,5 @@
+// One file, because all parts of a row are sums over the same crossings, which one class finds.
+
 #include "backends/reference/reference_overlaps.h"
 
 #include <algorithm>
