@@ -38,7 +38,7 @@ CRUMPLE_HD inline int certain_sign(double value, double bound) {
 /// True if coordinates are in the range of expansions: 0, or between 2^-300 and 2^300 in magnitude.
 CRUMPLE_HD inline bool in_expansion_range(double x) {
     const double magnitude = std::abs(x);
-    return magnitude == 0 || (magnitude >= 0x1p-300 && magnitude <= 0x1p300);
+    return (magnitude == 0) | ((magnitude >= 0x1p-300) & (magnitude <= 0x1p300));  // without branches
 }
 CRUMPLE_HD inline bool in_expansion_range(const Vec3d& p) {
     return in_expansion_range(p.x) && in_expansion_range(p.y) && in_expansion_range(p.z);
@@ -67,6 +67,8 @@ class FilteredPlane {
         const Vec3d n = abs(normal_);
         return n.x > n.y ? (n.x > n.z ? 0 : 2) : (n.y > n.z ? 1 : 2);
     }
+    /// Returns twice the area of that projection, rounded.
+    CRUMPLE_HD double largest_component() const { return std::abs(normal_[dominant_axis()]); }
 
    private:
     Vec3d origin_, normal_, magnitude_;
@@ -152,10 +154,14 @@ inline int orient3d_whole(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
     return sign_of(minor(1, 2) * w[6] + minor(2, 0) * w[7] + minor(0, 1) * w[8]);
 }
 
-/// True if all four points have the same coordinate on some axis.
-inline bool in_axis_plane(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+/// True if all four points have the same coordinate on some axis, or two are equal: they certainly lie in one plane.
+inline bool certainly_coplanar(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
     const auto same = [&](int axis) { return a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == d[axis]; };
-    return same(0) || same(1) || same(2);
+    return same(0) || same(1) || same(2) || a == d || b == d || c == d || a == b || a == c || b == c;
+}
+/// True if each product in the determinant (b − a) × (c − a), in the plane of axes x and y, has a factor 0.
+inline bool certainly_collinear(const Vec3d& a, const Vec3d& b, const Vec3d& c, int x, int y) {
+    return (b[x] == a[x] || c[y] == a[y]) && (b[y] == a[y] || c[x] == a[x]);
 }
 
 }  // namespace detail
@@ -192,14 +198,15 @@ CRUMPLE_HD_COLD inline int orient3d_expansion(const Vec3d& a, const Vec3d& b, co
 /// filters. Coordinates must be in the range of expansions.
 CRUMPLE_HD inline int orient2d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, int dropped) {
 #ifndef __CUDA_ARCH__
-    const int sign = detail::orient2d_whole(a, b, c, first_axis(dropped), second_axis(dropped));
-    if (sign != undecided) return sign;
+    const int x = first_axis(dropped), y = second_axis(dropped);
+    if (detail::certainly_collinear(a, b, c, x, y)) return 0;
+    if (const int sign = detail::orient2d_whole(a, b, c, x, y); sign != undecided) return sign;
 #endif
     return orient2d_expansion(a, b, c, dropped);
 }
 CRUMPLE_HD inline int orient3d_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
 #ifndef __CUDA_ARCH__
-    if (detail::in_axis_plane(a, b, c, d)) return 0;
+    if (detail::certainly_coplanar(a, b, c, d)) return 0;
     if (const int sign = detail::orient3d_whole(a, b, c, d); sign != undecided) return sign;
 #endif
     return orient3d_expansion(a, b, c, d);

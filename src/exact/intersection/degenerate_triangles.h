@@ -36,6 +36,8 @@ struct CollinearHull {
 template <class Signs>
 CRUMPLE_HD_COLD bool collinear(const Vec3d& p, const Vec3d& q, const Vec3d& r, Signs& signs) {
     if (p == q || p == r || q == r) return true;
+    for (int axis = 0; axis < 3; ++axis)
+        if (orient2d_filtered(p, q, r, axis) != undecided) return false;  // the filter never returns 0
     return signs.turn(p, q, r, 0) == 0 && signs.turn(p, q, r, 1) == 0 && signs.turn(p, q, r, 2) == 0;
 }
 
