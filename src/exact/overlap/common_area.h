@@ -4,13 +4,15 @@
 //
 // In a projection of the plane, with both faces counter-clockwise, the boundary of the common area consists of the
 // pieces of each face's edges that lie in the other face. So the area is the sum of the signed areas of the triangles
-// that the first corner of a spans with these pieces (cones). Ties are decided as if b were shifted by (e, e²) in the
-// projection, e → 0+; the area does not depend on this shift. After the shift, edges that cross do so at one point, and
-// the length of an edge inside the other face is a sum over its crossings, in any order.
+// that an apex spans with these pieces (cones); any point is an apex. Ties are decided as if b were shifted by (e, e²)
+// in the projection, e → 0+; the area does not depend on this shift. After the shift, edges that cross do so at one
+// point, and the length of an edge inside the other face is a sum over its crossings, in any order.
+//
+// An edge that two faces traverse in opposite directions adds opposite numbers, in sums over all faces that meet both.
+// So such sums can leave it out, wherever its pieces and its crossings would be added.
 
 #include <array>
 #include <cstddef>
-#include <utility>
 
 #include "exact/overlap/crossing.h"
 #include "exact/overlap/enclosed.h"
@@ -47,46 +49,99 @@ int side_after_shift(const Point& p, const Point& q, int axis) {
 
 }  // namespace detail
 
-/// Adds twice the common area of the projections of a and b, neither of which may be degenerate, to `sum`: calls
-/// sum.add(x) to add x, and sum.add_part(x, start, end) to add x · start / (start − end).
-template <class Projection, class Corners, class Sum>
-void add_common_area(const Projection& projection, Corners a, Corners b, Sum& sum) {
-    const std::array<Corners*, 2> faces{&a, &b};
-    for (Corners* const face : faces)
-        if (projection.sign((*face)[0], (*face)[1], (*face)[2]) < 0) std::swap((*face)[1], (*face)[2]);
-    // sign[of][i][j]: side of corner i of face `of` relative to edge j of the other face; 1 is inside, 0 on the edge's
-    // line. side[of][i][j]: the same after the shift, never 0.
-    int sign[2][3][3], side[2][3][3];
-    for (std::size_t of = 0; of < 2; ++of)
-        for (std::size_t j = 0; j < 3; ++j) {
-            const auto &p = (*faces[1 - of])[j], &q = (*faces[1 - of])[next_corner(j)];
-            const int side_on_line = (of == 1 ? 1 : -1) * detail::side_after_shift(p, q, projection.axis);
-            bool apart = true;
-            for (std::size_t i = 0; i < 3; ++i) {
-                sign[of][i][j] = projection.sign(p, q, (*faces[of])[i]);
-                side[of][i][j] = sign[of][i][j] != 0 ? sign[of][i][j] : side_on_line;
-                apart = apart && sign[of][i][j] <= 0;
-            }
-            if (apart) return;
-        }
-    // Returns projection.value() of edge j of the other face and corner i of face `of`.
-    using Number = decltype(projection.value(a[0], a[1], a[2]));
-    const auto value = [&](std::size_t of, std::size_t i, std::size_t j) {
-        if (sign[of][i][j] == 0) return Number(0);
-        return projection.value((*faces[1 - of])[j], (*faces[1 - of])[next_corner(j)], (*faces[of])[i]);
+/// Face whose projection is counter-clockwise, and the edges that count: 01, 12, 20.
+template <class Point>
+struct PlanarFace {
+    std::array<Point, 3> corner;
+    std::array<bool, 3> counts{true, true, true};
+};
+
+/// Signs of corners of two faces relative to each other's edges in a projection, each computed when first needed.
+template <class Projection, class Point>
+class PlanarSigns {
+   public:
+    PlanarSigns(const Projection& projection, const PlanarFace<Point>& a, const PlanarFace<Point>& b)
+        : projection_(projection), faces_{&a, &b} {}
+
+    /// Returns the side of corner i of face `of` relative to edge j of the other face: 1 is inside, 0 on the edge's
+    /// line.
+    int sign(std::size_t of, std::size_t i, std::size_t j) {
+        int& known = sign_[of][i][j];
+        if (known == undecided) known = projection_.sign(from(of, j), to(of, j), faces_[of]->corner[i]);
+        return known;
+    }
+    /// Returns the same after the shift of b: 1 or -1.
+    int side(std::size_t of, std::size_t i, std::size_t j) {
+        if (const int known = sign(of, i, j)) return known;
+        return (of == 1 ? 1 : -1) * detail::side_after_shift(from(of, j), to(of, j), projection_.axis);
+    }
+    /// True if edge i of a crosses edge j of b, after the shift.
+    bool cross(std::size_t i, std::size_t j) {
+        return side(0, i, j) != side(0, next_corner(i), j) && side(1, j, i) != side(1, next_corner(j), i);
+    }
+    /// True if corner i of face `of` lies in the other face, after the shift.
+    bool inside(std::size_t of, std::size_t i) {
+        return side(of, i, 0) > 0 && side(of, i, 1) > 0 && side(of, i, 2) > 0;
+    }
+    /// True if an edge has its own face on one closed side, and the other face on the other.
+    bool apart() {
+        for (std::size_t of = 0; of < 2; ++of)
+            for (std::size_t j = 0; j < 3; ++j)
+                if (sign(of, 0, j) <= 0 && sign(of, 1, j) <= 0 && sign(of, 2, j) <= 0) return true;
+        return false;
+    }
+
+    /// Returns Projection::value() of edge j of the other face and corner i of face `of`.
+    auto value(std::size_t of, std::size_t i, std::size_t j) {
+        using Number = decltype(projection_.value(from(of, j), to(of, j), faces_[of]->corner[i]));
+        if (sign(of, i, j) == 0) return Number(0);
+        return projection_.value(from(of, j), to(of, j), faces_[of]->corner[i]);
+    }
+
+   private:
+    const Point& from(std::size_t of, std::size_t j) const { return faces_[1 - of]->corner[j]; }
+    const Point& to(std::size_t of, std::size_t j) const { return faces_[1 - of]->corner[next_corner(j)]; }
+
+    const Projection& projection_;
+    std::array<const PlanarFace<Point>*, 2> faces_;
+    int sign_[2][3][3] = {
+        {{undecided, undecided, undecided}, {undecided, undecided, undecided}, {undecided, undecided, undecided}},
+        {{undecided, undecided, undecided}, {undecided, undecided, undecided}, {undecided, undecided, undecided}}};
+};
+
+/// Adds twice the common area of a and b, as far as edges count, to `sum`: calls sum.add(x) to add x, and
+/// sum.add_quotient(x, y) to add x / y.
+template <class Projection, class Point, class Sum>
+void add_common_area(const Projection& projection, const Point& apex, const PlanarFace<Point>& a,
+                     const PlanarFace<Point>& b, PlanarSigns<Projection, Point>& signs, Sum& sum) {
+    const auto cone = [&](const PlanarFace<Point>& face, std::size_t i) {
+        return projection.value(apex, face.corner[i], face.corner[next_corner(i)]);
     };
-    const auto add_edge = [&](std::size_t of, std::size_t i, const Number& cone) {
-        const std::size_t next = next_corner(i);
-        if (side[of][next][0] > 0 && side[of][next][1] > 0 && side[of][next][2] > 0) sum.add(cone);
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (a.counts[i] && signs.inside(0, next_corner(i))) sum.add(cone(a, i));
+        if (b.counts[i] && signs.inside(1, next_corner(i))) sum.add(cone(b, i));
+    }
+    // An edge with the values `from` and `to` at its ends has the share from / (from − to) before a crossing. The
+    // divisors of the two edges that cross are opposite numbers.
+    using Number = decltype(projection.value(apex, apex, apex));
+    for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
-            if (side[of][i][j] == side[of][next][j] || side[1 - of][j][i] == side[1 - of][next_corner(j)][i]) continue;
-            const bool leaves = side[of][i][j] > 0;
-            sum.add_part(leaves ? cone : -cone, value(of, i, j), value(of, next, j));
+            if (!a.counts[i] || !b.counts[j] || !signs.cross(i, j)) continue;
+            Number rest(0);  // times the divisor of b's edge
+            bool divides = false;
+            const auto add_part_of = [&](std::size_t of, std::size_t edge, std::size_t other) {
+                if (signs.sign(of, edge, other) == 0) return;
+                const bool leaves = signs.side(of, edge, other) > 0;
+                const Number whole = cone(of == 0 ? a : b, edge);
+                if (signs.sign(of, next_corner(edge), other) == 0) return sum.add(leaves ? whole : -whole);
+                const Number part = whole * signs.value(of, edge, other);
+                rest = leaves == (of == 1) ? rest + part : rest - part;
+                divides = true;
+            };
+            add_part_of(0, i, j);
+            add_part_of(1, j, i);
+            if (divides) sum.add_quotient(rest, signs.value(1, j, i) - signs.value(1, next_corner(j), i));
         }
-    };
-    add_edge(0, 1, projection.value(a[0], a[1], a[2]));
-    for (std::size_t j = 0; j < 3; ++j)
-        if (sign[0][0][j] != 0) add_edge(1, j, value(0, 0, j));
 }
 
 }  // namespace crumple

@@ -1,11 +1,14 @@
 #include "search/overlap/overlap_contact_area.h"
 
 #include <algorithm>
+#include <array>
 #include <mutex>
+#include <utility>
 
 #include "exact/overlap/common_area.h"
 #include "exact/overlap/fixed_sum.h"
 #include "exact/overlap/rational_sum.h"
+#include "search/overlap/overlap_coplanar_faces.h"
 
 namespace crumple {
 namespace {
@@ -17,10 +20,7 @@ struct EnclosedArea {
     Enclosed twice{0};
 
     void add(const Enclosed& x) { twice = twice + x; }
-    void add_part(const Enclosed& x, const Enclosed& start, const Enclosed& end) {
-        const bool whole = end.value.high == 0 && end.error == 0;
-        add(whole ? x : x * (start / (start - end)));
-    }
+    void add_quotient(const Enclosed& x, const Enclosed& y) { add(x / y); }
 };
 
 /// Adds up twice the areas of triangles whose coordinates are integers in units of 2^exponent.
@@ -29,9 +29,8 @@ struct ExactArea {
     int exponent;
 
     void add(const Integer& x) { twice.add(x, 1, 2 * exponent); }
-    void add_part(const Integer& x, const Integer& start, const Integer& end) {
-        const Integer all = start - end, part = x * start;
-        all < 0 ? twice.add(-part, -all, 2 * exponent) : twice.add(part, all, 2 * exponent);
+    void add_quotient(const Integer& x, const Integer& y) {
+        y < 0 ? twice.add(-x, -y, 2 * exponent) : twice.add(x, y, 2 * exponent);
     }
 };
 
@@ -46,74 +45,48 @@ struct IntegerProjection {
     }
 };
 
-/// A face, and the sum of the areas that it has in common with other faces in its plane.
-class EnclosedContact {
-   public:
-    explicit EnclosedContact(const FaceCorners& face) : face_(face), axis_(FilteredPlane(face).dominant_axis()) {}
-
-    void add(const FaceCorners& other) {
-        if (overlaps_box(other, first_axis(axis_)) && overlaps_box(other, second_axis(axis_)))
-            add_common_area(EnclosedProjection{axis_}, face_, other, area_);
-    }
-
-    /// Returns twice the sum of the areas.
-    Enclosed twice() const {
-        const auto &a = face_[0], &b = face_[1], &c = face_[2];
-        const bool across = orient2d(a, b, c, first_axis(axis_)) == 0 && orient2d(a, b, c, second_axis(axis_)) == 0;
-        if (across || (area_.twice.value.high == 0 && area_.twice.error == 0)) return area_.twice;
-        const Vec3<Enclosed> normal = cross(enclosed_difference(b, a), enclosed_difference(c, a));
-        const Enclosed along = normal[axis_].value.high < 0 ? -normal[axis_] : normal[axis_];
-        return area_.twice * (sqrt(dot(normal, normal)) / along);
-    }
-
-   private:
-    /// True if the interiors of the boxes of both faces overlap along an axis; otherwise the faces have no area in
-    /// common.
-    bool overlaps_box(const FaceCorners& other, int axis) const {
-        const auto most = [&](const FaceCorners& f) { return std::max({f[0][axis], f[1][axis], f[2][axis]}); };
-        const auto least = [&](const FaceCorners& f) { return std::min({f[0][axis], f[1][axis], f[2][axis]}); };
-        return least(face_) < most(other) && least(other) < most(face_);
-    }
-
-    FaceCorners face_;
-    int axis_;
-    EnclosedArea area_;
-};
-
-/// Adds the common areas of all pairs to `sum`. Consecutive pairs with the same first face are summed together, so they
-/// should be sorted by it.
-void add_enclosed(const SurfacePair& surfaces, std::span<const Pair> pairs, FixedSum& sum) {
+/// Adds the common areas of faces in the same planes.
+void add_enclosed(const CoplanarFaces& faces, std::span<const Pair> pairs, FixedSum& sum) {
     for (std::size_t i = 0; i < pairs.size();) {
-        const std::int32_t face = pairs[i].a;
-        EnclosedContact contact(surfaces.corners(0, face));
-        for (; i < pairs.size() && pairs[i].a == face; ++i) contact.add(surfaces.corners(1, pairs[i].b));
-        sum.add(contact.twice());
+        const std::int32_t index = faces.face(0, pairs[i].a).plane;
+        const CoplanarFaces::Plane& plane = faces.plane(index);
+        EnclosedArea area;
+        for (; i < pairs.size() && faces.face(0, pairs[i].a).plane == index; ++i) {
+            const auto &a = faces.face(0, pairs[i].a).planar, &b = faces.face(1, pairs[i].b).planar;
+            PlanarSigns signs(plane.projection, a, b);
+            add_common_area(plane.projection, plane.apex, a, b, signs, area);
+        }
+        sum.add(area.twice * plane.stretch);
     }
 }
 
 void add_exactly(const FaceCorners& a, const FaceCorners& b, RootSum& sum) {
     const int exponent = common_exponent(std::array{a[0], a[1], a[2], b[0], b[1], b[2]});
-    const std::array<Vec3<Integer>, 3> p = in_units(a, exponent);
-    const Vec3<Integer> normal = cross(p[1] - p[0], p[2] - p[0]);
-    const int axis = normal.x != 0 ? 0 : normal.y != 0 ? 1 : 2;
+    PlanarFace<Vec3<Integer>> p{in_units(a, exponent)}, q{in_units(b, exponent)};
+    const Vec3<Integer> normal = cross(p.corner[1] - p.corner[0], p.corner[2] - p.corner[0]);
+    const IntegerProjection projection{normal.x != 0 ? 0 : normal.y != 0 ? 1 : 2};
+    for (auto* const face : {&p, &q})
+        if (projection.sign(face->corner[0], face->corner[1], face->corner[2]) < 0)
+            std::swap(face->corner[1], face->corner[2]);
+    PlanarSigns signs(projection, p, q);
+    if (signs.apart()) return;
     const auto wide = [](const Integer& x) { return Rational(mp::cpp_int(x)); };
-    const Rational square = wide(dot(normal, normal)) / wide(normal[axis] * normal[axis]);
+    const Rational square = wide(dot(normal, normal)) / wide(normal[projection.axis] * normal[projection.axis]);
     ExactArea area{sum.times_root_of(square), exponent};
-    add_common_area(IntegerProjection{axis}, p, in_units(b, exponent), area);
+    add_common_area(projection, p.corner[0], p, q, signs, area);
 }
 
-/// Adds up the common areas of pairs of faces, in parallel chunks. add(surfaces, pairs, sum) adds the areas of a
-/// chunk's pairs to `sum`.
+/// Adds up the common areas of pairs of faces, in parallel chunks. add(pairs, sum) adds the areas of a chunk's pairs to
+/// `sum`.
 template <class Sum, class Add>
-Sum sum_of(const SurfacePair& surfaces, std::span<const Pair> pairs, ParallelFor& workers, Cancellation& cancellation,
-           Add add) {
+Sum sum_of(std::span<const Pair> pairs, ParallelFor& workers, Cancellation& cancellation, Add add) {
     constexpr std::size_t chunk = 256;
     Sum sum;
     std::mutex mutex;
     workers.parallel_for((pairs.size() + chunk - 1) / chunk, [&](std::size_t i) {
         cancellation.check();
         Sum part;
-        add(surfaces, pairs.subspan(i * chunk, std::min(chunk, pairs.size() - i * chunk)), part);
+        add(pairs.subspan(i * chunk, std::min(chunk, pairs.size() - i * chunk)), part);
         const std::scoped_lock lock(mutex);
         sum.add(part);
     });
@@ -123,19 +96,25 @@ Sum sum_of(const SurfacePair& surfaces, std::span<const Pair> pairs, ParallelFor
 }  // namespace
 
 ContactArea find_contact_area(const SurfacePair& surfaces, std::span<const Pair> pairs, ParallelFor& workers,
-                              Cancellation& cancellation) {
+                              Cancellation& cancellation, MemoryMeter& meter) {
     if (pairs.empty()) return {};
     if (surfaces.in_range()) {
-        const auto sum = sum_of<FixedSum>(surfaces, pairs, workers, cancellation, add_enclosed);
-        if (const auto known = sum.rounded_quotient(2)) return {known->value};
+        MemoryClaim memory(meter);
+        memory.add(pairs.size() * CoplanarFaces::bytes_per_pair);
+        const CoplanarFaces faces(surfaces, pairs, cancellation);
+        const auto add = [&](std::span<const Pair> some, FixedSum& sum) { add_enclosed(faces, some, sum); };
+        if (faces.valid()) {
+            const auto sum = sum_of<FixedSum>(faces.pairs(), workers, cancellation, add);
+            if (const auto known = sum.rounded_quotient(2)) return {known->value};
+        }
     }
-    const auto add_pairs = [&](const SurfacePair&, std::span<const Pair> some, RootSum& sum) {
+    const auto add = [&](std::span<const Pair> some, RootSum& sum) {
         for (const Pair& pair : some) {
             cancellation.check();  // for each pair, because rational arithmetic is slow
             add_exactly(surfaces.corners(0, pair.a), surfaces.corners(1, pair.b), sum);
         }
     };
-    const auto sum = sum_of<RootSum>(surfaces, pairs, workers, cancellation, add_pairs);
+    const auto sum = sum_of<RootSum>(pairs, workers, cancellation, add);
     return {sum.rounded_quotient(2, cancellation).value, true};
 }
 
