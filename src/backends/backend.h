@@ -38,6 +38,12 @@ class BackendBase : public ParallelFor {
     virtual void find(const PreparedScene& scene, const IntersectionQuery& query, const Part* part,
                       Intersections& result) = 0;
 
+    /// Fills `result` as find() does for an IntersectionQuery without options, but may also include pairs that need
+    /// exact arithmetic, for callers that decide pairs themselves.
+    virtual void find_possible(const PreparedScene& scene, Intersections& result) {
+        find(scene, IntersectionQuery(), nullptr, result);
+    }
+
     /// True for the reference, which tests compare other backends with. Searches then pass whole scenes to the backend,
     /// without leaving out beforehand what is too far from everything else.
     virtual bool by_brute_force() const { return false; }

@@ -20,6 +20,9 @@ class ForwardingBackend : public BackendBase {
               Intersections& result) override {
         to_->find(scene, query, part, result);
     }
+    void find_possible(const PreparedScene& scene, Intersections& result) override {
+        to_->find_possible(scene, result);
+    }
     bool any(const PreparedScene& scene, const IntersectionQuery& query) override { return to_->any(scene, query); }
     int worlds_at_once() const override { return to_->worlds_at_once(); }
     void any_by_world(const PreparedScene& scene, const IntersectionQuery& query, std::span<std::uint8_t> flags,

@@ -55,6 +55,12 @@ class CpuBackend final : public BackendBase {
         result.statistics = statistics_;
     }
 
+    void find_possible(const PreparedScene& scene, Intersections& result) override {
+        const Restored possible(decides_);
+        decides_ = false;
+        find(scene, IntersectionQuery(), nullptr, result);
+    }
+
     bool any(const PreparedScene& scene, const IntersectionQuery& query) override {
         bool found = false;
         workers_.run([&] {
@@ -134,7 +140,8 @@ class CpuBackend final : public BackendBase {
                  statistics_, k.leaves},
                 query,
                 k.leaves,
-                k.output};
+                k.output,
+                decides_};
     }
     Call make_call(const PreparedScene& scene, const FeatureRequest& request) {
         Cached& k = *cached_;
@@ -162,6 +169,17 @@ class CpuBackend final : public BackendBase {
         cpu::find_in_chunks(call_in_chunks(scene, query, part), result);
     }
 
+    /// Resets a flag to its current value at the end of a scope.
+    struct Restored {
+        bool& flag;
+        bool value;
+
+        explicit Restored(bool& f) : flag(f), value(f) {}
+        ~Restored() { flag = value; }
+        Restored(const Restored&) = delete;
+        Restored& operator=(const Restored&) = delete;
+    };
+
     Options options_;
     const StageKernels& kernels_;
     const IntersectKernels& intersect_;
@@ -173,6 +191,7 @@ class CpuBackend final : public BackendBase {
     MemoryMeter& meter_;
     std::unique_ptr<Cached> cached_;
     Statistics statistics_;
+    bool decides_ = true;  ///< see NarrowContext
     /// Number of triangles of the smallest scene that has exceeded the memory limit: scenes of this size or more are
     /// searched in chunks.
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();

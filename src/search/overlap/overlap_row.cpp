@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "exact/intersection/decide_intersection.h"
 #include "exact/overlap/exact_crossing.h"
 #include "exact/overlap/filtered_crossing.h"
 #include "search/depth/overlap_depth.h"
@@ -18,6 +19,7 @@ struct CrossedPairs {
     std::array<std::array<WindingSteps, 2>, 2> steps;  ///< by shift (forward, backward) and by surface (first, second)
     std::vector<Segment> segments, links;
     std::vector<Pair> coplanar;
+    bool meet = false;  ///< true if an edge crosses a face after a shift: then the faces have a common point without it
 
     std::size_t bytes() const {
         std::size_t bytes = bytes_of(segments) + bytes_of(links) + bytes_of(coplanar);
@@ -27,11 +29,18 @@ struct CrossedPairs {
     }
 };
 
+/// True if an edge of a face crosses the other face.
+bool crosses(const FaceCrossing& jumps) { return jumps.segment || jumps.a != EdgeJumps{} || jumps.b != EdgeJumps{}; }
+
+/// True if two faces have a common point.
+bool faces_meet(const FaceCorners& a, const FaceCorners& b) {
+    DecisionCounts counts;
+    return collide({a, {0, 1, 2}}, {b, {3, 4, 5}}, Neighbours::geometric, IntersectionKind::all, counts);
+}
+
 /// Adds a segment without length if edges of a degenerate face cross the other face.
 void add_link(const Pair& pair, const FaceCrossing& jumps, std::vector<Segment>& links) {
-    const auto crosses = [](int jump) { return jump != 0; };
-    if (std::none_of(jumps.a.begin(), jumps.a.end(), crosses) && std::none_of(jumps.b.begin(), jumps.b.end(), crosses))
-        return;
+    if (!crosses(jumps)) return;
     Segment& link = links.emplace_back(segment_of(jumps, [](std::size_t, std::size_t) { return -1; }));
     link.a = pair.a, link.b = pair.b;
 }
@@ -60,11 +69,11 @@ OverlapRow OverlapOfBodies::find_open(const PlacedSurface& a, const PlacedSurfac
     sums_.surfaces = {{&a, &b}, origin};
     pairs_ = pairs;
     OverlapRow row;
-    row.exists = !pairs.empty();
     row.relation = OverlapRelation::undefined;
     row.numbers = undefined_numbers(origin);
-    if (!row.exists || !request.numbers) return row;
     cross_pairs(false);
+    row.exists = surfaces_meet_;
+    if (!row.exists || !request.numbers) return row;
     row.numbers.contact_area = contact_area();
     if (request.curves) row.curves = curves(origin, forward_segments(), {});
     return row;
@@ -75,7 +84,7 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
     cross_pairs(request.gradient);
     find_windings(request.gradient);
     OverlapRow row;
-    row.exists = !pairs_.empty() || !steps(0).intervals().empty() || !steps(1).intervals().empty();
+    row.exists = surfaces_meet_ || !steps(0).intervals().empty() || !steps(1).intervals().empty();
     if (!row.exists) return row;
     count_faces();
     if (request.numbers)
@@ -110,6 +119,7 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             auto& steps = crossed.steps[forward ? 0 : 1];
             steps[0].add_jumps(topology(0), pair.a, crossing.jumps.a);
             steps[1].add_jumps(topology(1), pair.b, crossing.jumps.b);
+            crossed.meet |= crosses(crossing.jumps);
             if (!crossing.jumps.segment && forward) add_link(pair, crossing.jumps, crossed.links);
             if (!crossing.jumps.segment || (times == 0 && !forward)) return;
             Segment segment = crossing.segment;
@@ -149,7 +159,14 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
         workers_.parallel_for(parts.size(), cross_and_count);
     memory_.add(memory_of_parts.bytes());  // for the joined copies made below
     std::size_t count = 0;
-    for (const CrossedPairs& part : parts) count += part.segments.size();
+    for (const CrossedPairs& part : parts) {
+        count += part.segments.size();
+        surfaces_meet_ |= part.meet;
+    }
+    for (std::size_t i = 0; i < pairs_.size() && !surfaces_meet_; ++i) {
+        cancellation_.check();
+        surfaces_meet_ = faces_meet(body(0).corners(pairs_[i].a), body(1).corners(pairs_[i].b));
+    }
     sums_.segments.reserve(count);
     for (const CrossedPairs& part : parts) {
         sums_.segments.insert(sums_.segments.end(), part.segments.begin(), part.segments.end());
@@ -172,7 +189,7 @@ void OverlapOfBodies::find_windings(bool gradient) {
 }
 
 double OverlapOfBodies::contact_area() {
-    const ContactArea contact = find_contact_area(sums_.surfaces, coplanar_, workers_, cancellation_);
+    const ContactArea contact = find_contact_area(sums_.surfaces, coplanar_, workers_, cancellation_, meter_);
     was_exact_ |= contact.was_exact;
     return contact.area;
 }

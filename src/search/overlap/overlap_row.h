@@ -50,7 +50,7 @@ class OverlapOfBodies {
           sums_(workers, kernels, cancellation) {}
 
     /// Returns the overlap of a and b; call once. `pairs`: all pairs of triangles of a and b that have a common point,
-    /// sorted. Sums are relative to `origin`.
+    /// and possibly others, sorted. Sums are relative to `origin`.
     OverlapRow find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, const Vec3d& origin,
                     const Request& request);
 
@@ -135,6 +135,7 @@ class OverlapOfBodies {
     MemoryClaim memory_;  ///< memory of the steps, segments and faces below, counted by the meter
     bool was_exact_ = false;
     std::span<const Pair> pairs_;
+    bool surfaces_meet_ = false;
     std::vector<Segment> links_;         ///< segments without length; they connect curves (joined_curves.h)
     std::vector<Pair> coplanar_;         ///< pairs of coplanar triangles; for a body with itself, each pair once
     int self_ = 0;                       ///< for a body with itself: its orientation; else 0

@@ -76,7 +76,7 @@ class OverlapSearch {
     OverlapQuery query_;
     SceneBuffers buffers_of_two_;
     Intersections found_;
-    Array<Pair> pairs_;  ///< pairs of triangles that intersect, sorted by pair of bodies
+    Array<Pair> pairs_;  ///< pairs of triangles that may intersect, with all that do, sorted by pair of bodies
     std::vector<Candidate> candidates_;
     std::map<std::int32_t, std::pair<std::once_flag, std::unique_ptr<PosedTree>>> trees_;  ///< by body
     std::mutex trees_mutex_;

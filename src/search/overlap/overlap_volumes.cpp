@@ -71,7 +71,7 @@ void OverlapOfBodies::add_unions(const std::array<int, 2>& orientations, Overlap
 OverlapRelation OverlapOfBodies::relate(const OverlapNumbers& numbers) {
     const Scaled& volume = numbers.volume.scaled;
     if (self_) return OverlapRelation::overlapping;
-    if (volume.mantissa == 0) return pairs_.empty() ? OverlapRelation::overlapping : OverlapRelation::touching;
+    if (volume.mantissa == 0) return surfaces_meet_ ? OverlapRelation::touching : OverlapRelation::overlapping;
     const bool first = has_volume_of(0, volume), second = has_volume_of(1, volume);
     if (first && second) return OverlapRelation::equal;
     if (first) return OverlapRelation::first_inside;

@@ -8,7 +8,7 @@
 namespace crumple::cpu {
 
 void search_pairs(const IntersectCall& call) {
-    call.leaves.ask({&call.query, call.sink, call.enough, call.stream});
+    call.leaves.ask({&call.query, call.decides, call.sink, call.enough, call.stream});
     search(call);
 }
 

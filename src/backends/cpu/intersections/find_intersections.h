@@ -14,6 +14,7 @@ struct IntersectCall : Call {
     const IntersectionQuery& query;
     IntersectLeaves& leaves;  ///< the object that Call::query, hidden by `query` above, refers to
     OutputScratch& output;
+    bool decides = true;  ///< see NarrowContext
 
     const PairSink* sink = nullptr;       ///< see NarrowContext
     std::atomic<bool>* enough = nullptr;  ///< see NarrowContext

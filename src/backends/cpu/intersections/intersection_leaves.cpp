@@ -23,8 +23,8 @@ void IntersectLeaves::begin(const Call& call) {
     // The SIMD filters compute 4 * vertex in 32 bits.
     const bool huge = call.scene.vertex_count() >= std::int64_t{1} << 29;
     context_.emplace(NarrowContext{call.scene, *asked_.query, call.rule, call.kernels,
-                                   huge ? scalar_intersect : kernels_, call.points(), call.cancellation, asked_.sink,
-                                   asked_.enough});
+                                   huge ? scalar_intersect : kernels_, call.points(), call.cancellation, asked_.decides,
+                                   asked_.sink, asked_.enough});
 }
 
 void IntersectLeaves::leave_out(const Call& call, Levels& levels) {

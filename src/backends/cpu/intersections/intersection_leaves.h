@@ -22,6 +22,7 @@ class IntersectLeaves final : public LeafQuery {
     /// Query of the next search, and destination of its pairs. The pointers must stay valid during the search.
     struct Asked {
         const IntersectionQuery* query = nullptr;
+        bool decides = true;                  ///< see NarrowContext
         const PairSink* sink = nullptr;       ///< see NarrowContext
         std::atomic<bool>* enough = nullptr;  ///< see NarrowContext
         PairStream* stream = nullptr;  ///< receives the pairs of each unit (queries/row_stream.h); null: no stream

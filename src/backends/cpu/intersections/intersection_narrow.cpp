@@ -37,8 +37,8 @@ void decide(const NarrowContext& context, const SortedLeaf& leaf, const Ownershi
         const std::int64_t row = candidates.rows + (packed & 0xffff), column = candidates.columns + (packed >> 16);
         if (check && !ours(row, column)) continue;
         const std::int32_t a = leaf.link[row].triangle, b = leaf.link[column].triangle;
-        if (collide(context.scene.triangle(a), context.scene.triangle(b), context.query.neighbours, context.query.kind,
-                    counts))
+        if (!context.decides || collide(context.scene.triangle(a), context.scene.triangle(b), context.query.neighbours,
+                                        context.query.kind, counts))
             *next++ = {std::min(a, b), std::max(a, b)};
     }
     scratch.pairs.resize(static_cast<std::size_t>(next - scratch.pairs.data()));

@@ -32,6 +32,7 @@ struct NarrowContext {
     const IntersectKernels& kernels;
     PointRows points;
     Cancellation& cancellation;
+    bool decides = true;                  ///< false: pairs that filters leave undecided count as pairs
     const PairSink* sink = nullptr;       ///< null: pairs accumulate in NarrowScratch::pairs
     std::atomic<bool>* enough = nullptr;  ///< if not null: all workers stop once it is set
 
