@@ -21,5 +21,6 @@
 #include "crumple/query.h"
 #include "crumple/rigid_motion.h"
 #include "crumple/scene.h"
+#include "crumple/stencils.h"
 #include "crumple/version.h"
 #include "crumple/world.h"
