@@ -74,6 +74,9 @@ from ._results import Contacts as Contacts
 from ._results import Distances
 from ._rigid_motion import RigidMotion as RigidMotion
 from ._rigid_motion import cut_rigid_motion
+from ._stencils import NormalFrom as NormalFrom
+from ._stencils import Stencils as Stencils
+from ._stencils import stencils
 from ._world import Body, World
 
 
@@ -157,5 +160,6 @@ __all__ = [
     "read_poses",
     "read_world",
     "scenes",
+    "stencils",
     "write_mesh",
 ]

@@ -94,6 +94,19 @@ std::shared_ptr<const Result> storage_of(nb::handle result, Take read_feature_li
     return made;
 }
 
+std::shared_ptr<const Candidates> candidates_of(nb::handle result) {
+    return storage_of<Candidates>(result, [&](nb::handle found, Candidates& made) {
+        for (const auto& [name, kind] : candidate_kind_names) {
+            CandidateList& list = made[kind];
+            take<std::int32_t>(found, plural_of_kind(name), list.pairs);
+            take<std::int32_t>(found, std::string(name) + "_bodies", list.bodies);
+            made.listed[static_cast<std::size_t>(kind)] = is_requested(result, "kinds", name);
+        }
+    });
+}
+
+}  // namespace
+
 std::shared_ptr<const Impacts> impacts_of(nb::handle result) {
     return storage_of<Impacts>(result, [&](nb::handle found, Impacts& made) {
         for (const FeatureKind kind : all_kinds) {
@@ -117,19 +130,6 @@ std::shared_ptr<const Proximities> proximities_of(nb::handle result) {
         }
     });
 }
-
-std::shared_ptr<const Candidates> candidates_of(nb::handle result) {
-    return storage_of<Candidates>(result, [&](nb::handle found, Candidates& made) {
-        for (const auto& [name, kind] : candidate_kind_names) {
-            CandidateList& list = made[kind];
-            take<std::int32_t>(found, plural_of_kind(name), list.pairs);
-            take<std::int32_t>(found, std::string(name) + "_bodies", list.bodies);
-            made.listed[static_cast<std::size_t>(kind)] = is_requested(result, "kinds", name);
-        }
-    });
-}
-
-}  // namespace
 
 // Binds writers of results. With a mesh they write the mesh, coloured by the result; without one, the rows of the
 // result.

@@ -13,6 +13,7 @@
 #include "crumple/rigid_motion.h"
 #include "gil.h"
 #include "names.h"
+#include "views.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -24,34 +25,23 @@ using Rows = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::devic
 
 VertexView view_of(const Rows& rows) { return rows_of_three(rows.data(), static_cast<std::int64_t>(rows.shape(0))); }
 
-// Returns a NumPy array that owns the values, which are moved, not copied.
-template <class Number, class Element, class... Columns>
-nb::object to_numpy(Array<Element> array, Columns... columns) {
-    import_numpy();
-    const auto given = new Array<Element>(std::move(array));
-    const nb::capsule owner(given, [](void* p) noexcept { delete static_cast<Array<Element>*>(p); });
-    void* const data = given->data();
-    return nb::cast(
-        nb::ndarray<nb::numpy, Number>(static_cast<Number*>(data), {given->size(), std::size_t{columns}...}, owner));
-}
-
 nb::tuple impacts(nb::handle kind, const Rows& start, const Rows& end, nb::handle min_distance,
                   nb::handle min_distance_share, nb::handle approaching_only, nb::handle threads) {
     const FeatureKind of = named(feature_kind_names, "kind", kind);
     const PairImpactQuery query{real("min_distance", min_distance), real("min_distance_share", min_distance_share),
                                 integer<int>("threads", threads), flag("approaching_only", approaching_only)};
     PairImpacts answer = without_gil([&] { return pair_impacts(of, view_of(start), view_of(end), query); });
-    return nb::make_tuple(to_numpy<bool>(std::move(answer.hit)), to_numpy<double>(std::move(answer.toi)),
-                          to_numpy<bool>(std::move(answer.start)));
+    return nb::make_tuple(moved_to_numpy<bool>(std::move(answer.hit)), moved_to_numpy<double>(std::move(answer.toi)),
+                          moved_to_numpy<bool>(std::move(answer.start)));
 }
 
 nb::tuple distances(nb::handle kind, const Rows& points, nb::handle threads) {
     const FeatureKind of = named(feature_kind_names, "kind", kind);
     const int wanted = integer<int>("threads", threads);
     PairDistances answer = without_gil([&] { return pair_distances(of, view_of(points), wanted); });
-    return nb::make_tuple(to_numpy<double>(std::move(answer.squared_distance)),
-                          to_numpy<bool>(std::move(answer.touching)), to_numpy<std::uint8_t>(std::move(answer.type)),
-                          to_numpy<double>(std::move(answer.at), 2u));
+    return nb::make_tuple(
+        moved_to_numpy<double>(std::move(answer.squared_distance)), moved_to_numpy<bool>(std::move(answer.touching)),
+        moved_to_numpy<std::uint8_t>(std::move(answer.type)), moved_to_numpy<double>(std::move(answer.at), 2u));
 }
 
 using Poses = nb::ndarray<const double, nb::shape<-1, 3, 4>, nb::c_contig, nb::device::cpu>;

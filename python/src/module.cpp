@@ -13,6 +13,7 @@
 #include "pickling.h"
 #include "results.h"
 #include "signals.h"
+#include "stencils.h"
 #include "world.h"
 #include "world_files.h"
 
@@ -32,4 +33,5 @@ NB_MODULE(_core, module) {
     crumple::python::bind_world_files(module);
     crumple::python::bind_feature_files(module);
     crumple::python::bind_feature_pairs(module);
+    crumple::python::bind_stencils(module);
 }

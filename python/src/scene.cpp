@@ -51,19 +51,21 @@ BorrowedScene::BorrowedScene(const SharedDetector& detector, nb::handle scene, v
     }
 }
 
-Scene BorrowedScene::view(SharedDetector& detector) const {
+Scene BorrowedScene::view(SharedDetector& detector) const { return view(detector.poses(), detector.end_poses()); }
+
+Scene BorrowedScene::view(std::vector<Pose>& poses, std::vector<Pose>& end_poses) const {
     if (const auto* mesh = std::get_if<Mesh>(&source_)) return mesh->view;
     if (const auto* meshes = std::get_if<TwoMeshes>(&source_)) return {meshes->a.view, meshes->b.view};
     if (const auto* part = std::get_if<const Part*>(&source_)) return **part;
     const auto& [bodies, start, end] = std::get<Posed>(source_);
     World world{bodies->shapes, bodies->bodies, {}};
     if (start.device() == BorrowedArray::on_host)
-        world.poses = start.read(*bodies, detector.poses());
+        world.poses = start.read(*bodies, poses);
     else
         world.device_poses = start.on_device(*bodies);
     if (!end.given()) return world;
     if (end.device() == BorrowedArray::on_host)
-        world.end_poses = end.read(*bodies, detector.end_poses());
+        world.end_poses = end.read(*bodies, end_poses);
     else
         world.device_end_poses = end.on_device(*bodies);
     return world;

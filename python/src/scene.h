@@ -25,10 +25,14 @@ class BorrowedScene {
     /// `scene` is a crumple.Mesh, a tuple of two of these, a crumple.World or a crumple.Part. Throws Error for arrays
     /// on a device other than the detector's. `stream`: the CUDA stream on which arrays in CUDA memory must be ready.
     BorrowedScene(const SharedDetector& detector, nanobind::handle scene, void* stream = nullptr);
+    /// View for functions without a detector.
+    explicit BorrowedScene(nanobind::handle scene) : source_(source_of(scene, nullptr)) {}
 
     /// Returns the scene for the library. Call it while a Turn exists, because poses may be copied to the detector's
     /// buffers.
     Scene view(SharedDetector& detector) const;
+    /// Returns the same, with buffers for poses.
+    Scene view(std::vector<Pose>& poses, std::vector<Pose>& end_poses) const;
 
     /// Returns the mesh; null for other scenes.
     const BorrowedMesh* mesh() const;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string_view>
+#include <utility>
 
 #include <nanobind/ndarray.h>
 
@@ -20,6 +21,18 @@ nanobind::ndarray<nanobind::numpy, const Number> view(const Array<Element>& arra
     import_numpy();
     const void* const data = array.data();
     return {static_cast<const Number*>(data), {array.size(), std::size_t{columns}...}};
+}
+
+/// Returns a NumPy array that owns the values, which are moved, not copied. `columns`: as for view().
+template <class Number, class Element, class... Columns>
+nanobind::object moved_to_numpy(Array<Element> array, Columns... columns) {
+    namespace nb = nanobind;
+    import_numpy();
+    const auto given = new Array<Element>(std::move(array));
+    const nb::capsule owner(given, [](void* p) noexcept { delete static_cast<Array<Element>*>(p); });
+    void* const data = given->data();
+    return nb::cast(
+        nb::ndarray<nb::numpy, Number>(static_cast<Number*>(data), {given->size(), std::size_t{columns}...}, owner));
 }
 
 /// Returns a tuple of the members of crumple.FirstImpact, or None if there is no impact.
