@@ -308,3 +308,63 @@ def test_cloth_step_ends_at_the_first_impact_and_is_no_shorter_than_ipctks():
         assert adapter.compute_collision_free_stepsize(candidates, mesh, start, end) == exact
     assert 0 < steps[0] <= steps[1] <= exact
     assert len(candidates) == 134
+
+
+def weights_of_collisions(collisions):
+    """Returns the weight of each collision, by its kind and features."""
+    names = ("vertex0_id", "vertex1_id", "edge0_id", "edge1_id", "edge_id", "vertex_id", "face_id")
+    weights = {}
+    for c in (collisions[i] for i in range(len(collisions))):
+        features = [getattr(c, name) for name in names if hasattr(c, name)]
+        of_one_kind = hasattr(c, "vertex0_id") or hasattr(c, "edge0_id")
+        weights[(type(c).__name__, *(sorted(features) if of_one_kind else features))] = c.weight
+    return weights
+
+
+@pytest.mark.parametrize("area_weighting", [False, True])
+@pytest.mark.parametrize("rods", [False, True])
+@pytest.mark.parametrize("dhat", [0.05, 0.2])
+def test_normal_collisions_have_the_energy_and_gradient_of_ipctk(dhat, rods, area_weighting):
+    vertices, edges, faces = scene(rods)
+    stretched = columns(vertices * [1, 0.9, 1.1])
+    check_normal_collisions(vertices, stretched, edges, faces, dhat, area_weighting)
+
+
+@pytest.mark.parametrize("area_weighting", [False, True])
+def test_normal_collisions_of_a_cloth_are_those_of_ipctk(area_weighting):
+    cloth = crumple.make_scene("cloth", triangles=5000, frame=40)
+    vertices, faces = columns(cloth.vertices.astype(float)), columns(cloth.faces)
+    check_normal_collisions(vertices, vertices, columns(ipctk.edges(faces)), faces, 0.1, area_weighting)
+
+
+def check_normal_collisions(rest, vertices, edges, faces, dhat, area_weighting):
+    mesh = ipctk.CollisionMesh(rest, edges, faces)
+    theirs = ipctk.NormalCollisions()
+    theirs.use_area_weighting = area_weighting
+    theirs.build(mesh, vertices, dhat)
+    ours = adapter.normal_collisions(mesh, vertices, dhat, area_weighting=area_weighting)
+    assert len(ours) == len(theirs) > 0
+    for name in ("vv_collisions", "ev_collisions", "ee_collisions", "fv_collisions"):
+        assert len(getattr(ours, name)) == len(getattr(theirs, name))
+    potential = ipctk.BarrierPotential(dhat, 1.0)
+    np.testing.assert_allclose(potential(ours, mesh, vertices), potential(theirs, mesh, vertices), rtol=1e-12)
+    ours, theirs = (potential.gradient(found, mesh, vertices) for found in (ours, theirs))
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-13 * np.abs(theirs).max())
+
+
+def test_normal_collisions_obey_can_collide_and_dmin():
+    vertices, edges, faces = scene(rods=False)  # for single vertices, ipctk 1.6 calls can_collide with other numbers
+    mesh = ipctk.CollisionMesh(vertices, edges, faces)
+    mesh.can_collide = ipctk.CollisionFilter(lambda v, w: (v + w) % 3 == 0)
+    ipctk.set_num_threads(1)  # ipctk calls the function from its threads
+    theirs = ipctk.NormalCollisions()
+    theirs.build(mesh, vertices, 0.1, 0.02)
+    ours = adapter.normal_collisions(mesh, vertices, 0.1, 0.02)
+    assert weights_of_collisions(ours) == weights_of_collisions(theirs) != {}
+    assert {ours[i].dmin for i in range(len(ours))} == {0.02}
+
+
+def test_normal_collisions_need_three_dimensions():
+    mesh = ipctk.CollisionMesh(columns([[0.0, 0], [1, 0], [0, 1]]), columns([[0, 1], [1, 2]]), np.empty((0, 3), np.int32))
+    with pytest.raises(crumple.InvalidInput, match="needs a mesh in 3 dimensions, not 2"):
+        adapter.normal_collisions(mesh, [[0, 0], [1, 0], [0, 1]], 0.1)
