@@ -75,46 +75,24 @@ def springs():
 
 
 class Contacts:
-    """Pairs of features that are near each other. For each pair: its four vertices, the weights of these in the
-    difference of the two closest points, and the direction of this difference at the start of the step."""
+    """Pairs of features that are near each other, as stencils at the start of the step."""
 
-    def __init__(self, near, faces, positions, movable):
-        vertex, face = near.vertex_faces.T
-        u, v = near.vertex_face_at.T
-        first, second = near.edges[near.edge_edges[:, 0]], near.edges[near.edge_edges[:, 1]]
-        s, t = near.edge_edge_at.T
-        one = np.ones_like(u)
-        self.vertices = np.concatenate([np.column_stack([vertex, faces[face]]), np.column_stack([first, second])])
-        self.share = np.concatenate(
-            [np.stack([one, u + v - 1, -u, -v], axis=1), np.stack([1 - s, s, t - 1, -t], axis=1)]
-        )
-        self.start = positions
-        direction = self.difference(positions)
-        self.direction = direction / np.linalg.norm(direction, axis=1)[:, None]
-        self.moved = self.share * movable[self.vertices]
-        self.inertia = (self.share * self.moved).sum(axis=1)
-
-    def difference(self, positions):
-        return np.einsum("kc,kcx->kx", self.share, positions[self.vertices])
+    def __init__(self, stencils, positions, movable):
+        self.stencils, self.start, self.movable = stencils, positions, movable
 
     def push(self, positions):
         """Makes one Jacobi round: pushes apart pairs that are nearer than the thickness, with friction."""
-        gap = np.einsum("kx,kx->k", self.difference(positions), self.direction)
-        pressed = np.flatnonzero(gap < THICKNESS)
-        if not len(pressed):
-            return
-        vertices, moved = self.vertices[pressed], self.moved[pressed]
-        depth, direction = THICKNESS - gap[pressed], self.direction[pressed]
-        slid = np.einsum("kc,kcx->kx", self.share[pressed], (positions - self.start)[vertices])
-        slid -= np.einsum("kx,kx->k", slid, direction)[:, None] * direction
-        length = np.linalg.norm(slid, axis=1)
-        grip = np.minimum(1, FRICTION * depth / np.maximum(length, 1e-30))
-        correction = (depth[:, None] * direction - grip[:, None] * slid) / self.inertia[pressed, None]
-        change = moved[:, :, None] * correction[:, None, :]
-        count = np.bincount(vertices.ravel(), moved.ravel() != 0, len(positions))
-        for axis in range(3):
-            total = np.bincount(vertices.ravel(), change[:, :, axis].ravel(), len(positions))
-            positions[:, axis] += total / np.maximum(count, 1)
+        gap = np.einsum("kx,kx->k", self.stencils.vectors(positions), self.stencils.normals)
+        pressed = self.stencils.select(gap < THICKNESS)
+        depth, normals = THICKNESS - gap[gap < THICKNESS], pressed.normals
+        slid = pressed.vectors(positions - self.start)
+        slid -= np.einsum("kx,kx->k", slid, normals)[:, None] * normals
+        grip = np.minimum(1, FRICTION * depth / np.maximum(np.linalg.norm(slid, axis=1), 1e-30))
+        moved = pressed.weights * self.movable[pressed.vertices]
+        correction = (depth[:, None] * normals - grip[:, None] * slid) / (pressed.weights * moved).sum(axis=1)[:, None]
+        count = np.bincount(pressed.vertices.ravel(), moved.ravel() != 0, len(positions))
+        change = pressed._replace(weights=moved).scatter(correction, len(positions))
+        positions += change / np.maximum(count, 1)[:, None]
 
 
 def pull(positions, batches):
@@ -153,7 +131,7 @@ class Simulation:
         fastest = np.linalg.norm(self.velocity, axis=1).max() * seconds
         radius = THICKNESS + min(2 * fastest, THICKNESS)
         near = self.detector.proximities(start, self.faces, radius=radius, closest=True, **self.options)
-        contacts = Contacts(near, self.faces, start, self.movable)
+        contacts = Contacts(crumple.stencils((start, self.faces), near), start, self.movable)
         for _ in range(ROUNDS):
             pull(target, self.batches)
             contacts.push(target)
@@ -169,10 +147,9 @@ class Simulation:
                 break
             self.held += len(impacts)
             share = np.ones(len(start))
-            edges = impacts.edges[impacts.edge_edges].reshape(-1, 4)
-            corners = np.column_stack([impacts.vertex_faces[:, 0], self.faces[impacts.vertex_faces[:, 1]]])
-            np.minimum.at(share, edges, impacts.edge_edge_toi[:, None])
-            np.minimum.at(share, corners, impacts.vertex_face_toi[:, None])
+            stencils = crumple.stencils(crumple.Mesh(start, self.faces).moving_to(target), impacts)
+            toi = np.concatenate([impacts.vertex_face_toi, impacts.edge_edge_toi])
+            np.minimum.at(share, stencils.vertices, toi[:, None])
             target = start + np.where(share < 1, 0.5 * share, 1)[:, None] * (target - start)
         return self.detector.free_step(start, target, self.faces, **self.options).positions
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+_OF_ROWS = ("vertices", "weights", "normals", "distance", "normal_from", "type")
 _KINDS = ("vertex_face", "edge_edge", "vertex_edge", "vertex_vertex")
 
 
@@ -89,6 +90,28 @@ class Stencils(NamedTuple):
             raise InvalidInput(f"kind must be one of {', '.join(_KINDS)}, not {kind!r}")
         k = _KINDS.index(kind)
         return slice(int(self.first[k]), int(self.first[k + 1]))
+
+    def select(self, mask: Any) -> Stencils:
+        """Returns the rows for which `mask` is True, for example those that are active.
+
+        Parameters
+        ----------
+        mask : (n,) array_like of bool
+
+        Returns
+        -------
+        Stencils
+            Without `row_of_pair`.
+        """
+        import numpy as np
+
+        mask = np.asarray(mask, bool)
+        rows = np.flatnonzero(mask)
+        arrays = {name: getattr(self, name)[rows] for name in _OF_ROWS}
+        if len(self.multiplicity):
+            arrays["multiplicity"] = self.multiplicity[rows]
+        first = np.searchsorted(rows, self.first)
+        return self._replace(**arrays, first=first, row_of_pair=self.row_of_pair[:0])
 
     def vectors(self, x: Any) -> NDArray[np.float64]:
         """Returns the sum of weights times the rows of `x` that belong to the vertices.

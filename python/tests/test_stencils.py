@@ -85,6 +85,20 @@ def test_arrays_have_the_documented_types_and_can_be_pickled(detector):
         np.testing.assert_array_equal(one, other, strict=True)
 
 
+def test_selected_rows_keep_their_kinds(detector):
+    mesh = soup(25, size=0.4, dtype=np.float64)
+    near = detector.proximities(mesh, radius=RADIUS)
+    for reduced in (False, True):
+        rows = crumple.stencils(mesh, near, reduced=reduced)
+        mask = rows.distance < RADIUS / 2
+        selected = rows.select(mask)
+        assert 0 < len(selected.distance) < len(rows.distance)
+        for kind in ("vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"):
+            part = rows.rows(kind)
+            np.testing.assert_array_equal(selected.vertices[selected.rows(kind)], rows.vertices[part][mask[part]])
+        np.testing.assert_array_equal(selected.multiplicity, rows.multiplicity[mask] if reduced else [])
+
+
 def test_impacts_have_normals_on_the_side_before(either):
     for height in (1, -1):
         start, end = START.copy(), START.copy()

@@ -104,12 +104,12 @@ StepLength ClothSolver::step_freely(double dt, int substeps) {
     // Finds the pairs of features that may come closer than the thickness during the step. The few points that are too
     // fast for this search radius are stopped only by shorten().
     const double reach = std::min(2 * fastest * dt, properties_.thickness);
-    const std::span<const NearContact> contacts = near_->find(points, properties_.thickness + reach);
+    const Stencils& contacts = near_->find(points, properties_.thickness + reach);
     start_ = points;
     const double h = dt / substeps;
     for (int i = 1; i <= substeps; ++i) {
         pull(h);
-        for (const NearContact& contact : contacts) part(contact, i * h);
+        for (std::size_t row = 0; row < contacts.size(); ++row) part(contacts, row, i * h);
         derive_velocities(h);
     }
     unshortened_ = points;
@@ -182,26 +182,33 @@ void ClothSolver::part(const SelfContact& contact, double age) {
     }
 }
 
-void ClothSolver::part(const NearContact& contact, double age) {
-    const Vec3d apart = contact.way(points);
-    const double wanted = std::min(properties_.thickness, contact.distance + properties_.separation_speed * age);
-    const double correction = wanted - dot(contact.direction, apart);
+void ClothSolver::part(const Stencils& contacts, std::size_t row, double age) {
+    const auto& vertices = contacts.vertices[row];
+    const auto& weights = contacts.weights[row];
+    const Vec3d normal{contacts.normals[row][0], contacts.normals[row][1], contacts.normals[row][2]};
+    const auto between = [&](const std::vector<Vec3d>& at) {
+        Vec3d sum{};
+        for (std::size_t k = 0; k < 4; ++k) sum = sum + weights[k] * at[static_cast<std::size_t>(vertices[k])];
+        return sum;
+    };
+    const Vec3d apart = between(points);
+    const double wanted = std::min(properties_.thickness, contacts.distance[row] + properties_.separation_speed * age);
+    const double correction = wanted - dot(normal, apart);
     if (!(correction > 0)) return;
     double share = 0;
-    std::int32_t last = 0;  // largest of the points: one of an obstacle, if there is any
-    for (std::size_t k = 0; k < 4; ++k) {
-        share += (1 - held[static_cast<std::size_t>(contact.points[k])]) * contact.weights[k] * contact.weights[k];
-        last = std::max(last, contact.points[k]);
-    }
+    for (std::size_t k = 0; k < 4; ++k)
+        share += (1 - held[static_cast<std::size_t>(vertices[k])]) * weights[k] * weights[k];
     if (!(share > 0)) return;
-    const std::size_t cloth = points.size() - goals_.size(), of = static_cast<std::size_t>(last);
-    const double friction = of < cloth ? properties_.self_friction : friction_[of - cloth];
-    const Vec3d moved = apart - contact.way(before_);
-    const Vec3d slide = moved - dot(contact.direction, moved) * contact.direction;
-    const Vec3d change = correction * contact.direction - friction_share(slide, friction, correction) * slide;
+    // The largest of the points is one of an obstacle, if there is any.
+    const auto last = static_cast<std::size_t>(*std::max_element(vertices.begin(), vertices.end()));
+    const std::size_t cloth = points.size() - goals_.size();
+    const double friction = last < cloth ? properties_.self_friction : friction_[last - cloth];
+    const Vec3d moved = apart - between(before_);
+    const Vec3d slide = moved - dot(normal, moved) * normal;
+    const Vec3d change = correction * normal - friction_share(slide, friction, correction) * slide;
     for (std::size_t k = 0; k < 4; ++k) {
-        const auto i = static_cast<std::size_t>(contact.points[k]);
-        points[i] = points[i] + ((1 - held[i]) * contact.weights[k] / share) * change;
+        const auto i = static_cast<std::size_t>(vertices[k]);
+        points[i] = points[i] + ((1 - held[i]) * weights[k] / share) * change;
     }
 }
 

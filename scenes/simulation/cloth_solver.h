@@ -110,7 +110,7 @@ class ClothSolver {
     /// Moves the two features of a contact apart. `age`: seconds from the search that found the contact to the end of
     /// the step.
     void part(const SelfContact& contact, double age);
-    void part(const NearContact& contact, double age);
+    void part(const Stencils& contacts, std::size_t row, double age);
     void push_out(std::span<const Collider* const> bodies, double dt);
 
     ClothProperties properties_;

@@ -18,15 +18,7 @@ constexpr double least_distance = 0.1;
 
 constexpr int iteration_limit = 10;  // maximum number of rounds in which single points are held back
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
-
-Vec3d NearContact::way(std::span<const Vec3d> positions) const {
-    Vec3d sum{};
-    for (std::size_t k = 0; k < points.size(); ++k) sum = sum + weights[k] * positions[index(points[k])];
-    return sum;
-}
 
 NearContactFinder::NearContactFinder(std::span<const Fabric::Corners> cloth, std::span<const Fabric::Corners> obstacles)
     : triangles_(cloth.begin(), cloth.end()), groups_(cloth.size(), cloth_group) {
@@ -41,38 +33,16 @@ MeshView NearContactFinder::view(std::span<const Vec3d> points) const {
             groups_};
 }
 
-std::span<const NearContact> NearContactFinder::find(std::span<const Vec3d> points, double radius) {
-    ProximityQuery query;
-    query.radius = radius;
-    query.closest = true;
-    query.filter = rules_;
-    const Proximities& near = detector_.find(view(points), query);
-    contacts_.clear();
-    const auto add = [&](const std::array<std::int32_t, 4>& of, const std::array<double, 4>& weights, bool touching) {
-        if (touching) {
-            throw Error(ErrorCode::invalid_argument, "the cloth touches itself or an obstacle at points " +
-                                                         std::to_string(of[0]) + ", " + std::to_string(of[1]) + ", " +
-                                                         std::to_string(of[2]) + " and " + std::to_string(of[3]));
-        }
-        NearContact contact{of, weights};
-        const Vec3d way = contact.way(points);
-        contact.distance = length(way);
-        if (!(contact.distance > 0)) return;  // rounded to 0: no direction; shorten() keeps the pair apart
-        contact.direction = (1 / contact.distance) * way;
-        contacts_.push_back(contact);
-    };
-    const ProximityList &of_vertices = near.vertex_faces(), &of_edges = near.edge_edges();
-    for (std::size_t i = 0; i < of_vertices.pairs.size(); ++i) {
-        const auto [vertex, face] = of_vertices.pairs[i];
-        const auto [a, b, c] = triangles_[index(face)];
-        const auto [u, v] = of_vertices.at[i];
-        add({vertex, a, b, c}, {1, u + v - 1, -u, -v}, of_vertices.touching[i]);
-    }
-    for (std::size_t i = 0; i < of_edges.pairs.size(); ++i) {
-        const auto [a, b] = near.edges[of_edges.pairs[i].a];
-        const auto [c, d] = near.edges[of_edges.pairs[i].b];
-        const auto [s, t] = of_edges.at[i];
-        add({a, b, c, d}, {1 - s, s, t - 1, -t}, of_edges.touching[i]);
+const Stencils& NearContactFinder::find(std::span<const Vec3d> points, double radius) {
+    const MeshView mesh = view(points);
+    const ProximityQuery query{.radius = radius, .closest = true, .filter = rules_};
+    contacts_ = stencils(mesh, detector_.find(mesh, query));
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+        if (contacts_.normal_from[i] != static_cast<std::uint8_t>(NormalFrom::none)) continue;
+        const auto [a, b, c, d] = contacts_.vertices[i];
+        throw Error(ErrorCode::invalid_argument, "the cloth touches itself or an obstacle at points " +
+                                                     std::to_string(a) + ", " + std::to_string(b) + ", " +
+                                                     std::to_string(c) + " and " + std::to_string(d));
     }
     return contacts_;
 }
@@ -85,10 +55,11 @@ NearContactFinder::FreePath NearContactFinder::shorten(std::span<const Vec3d> st
     const MeshView mesh = view(start);
     double toi = 1;
     for (int round = 0; round < iteration_limit; ++round) {
-        const Impacts& impacts = detector_.find(mesh.moving_to(view(end).vertices), query);
+        const MeshView step = mesh.moving_to(view(end).vertices);
+        const Impacts& impacts = detector_.find(step, query);
         if (!impacts.any) return {toi, 1};
         if (round == 0) toi = impacts.first.toi;
-        hold_back(impacts, start, end, held);
+        hold_back(step, impacts, start, end, held);
     }
     const FreeStep step = detector_.find(mesh.moving_to(view(end).vertices), FreeStepQuery{query});
     for (std::size_t i = 0; i < end.size(); ++i) {
@@ -98,21 +69,19 @@ NearContactFinder::FreePath NearContactFinder::shorten(std::span<const Vec3d> st
 }
 
 /// Changes `end` for points that would touch something: they only move half as far as to their first impact.
-void NearContactFinder::hold_back(const Impacts& impacts, std::span<const Vec3d> start, std::span<Vec3d> end,
-                                  std::span<const std::uint8_t> held) {
+void NearContactFinder::hold_back(const MeshView& step, const Impacts& impacts, std::span<const Vec3d> start,
+                                  std::span<Vec3d> end, std::span<const std::uint8_t> held) {
     constexpr double never = std::numeric_limits<double>::infinity();
     toi_.assign(end.size(), never);
-    const auto meets = [&](std::int32_t point, double toi) { toi_[index(point)] = std::min(toi_[index(point)], toi); };
-    const ImpactList &of_vertices = impacts.vertex_faces(), &of_edges = impacts.edge_edges();
-    for (std::size_t i = 0; i < of_vertices.pairs.size(); ++i) {
-        const auto [vertex, face] = of_vertices.pairs[i];
-        meets(vertex, of_vertices.toi[i]);
-        for (const std::int32_t corner : triangles_[index(face)]) meets(corner, of_vertices.toi[i]);
-    }
-    for (std::size_t i = 0; i < of_edges.pairs.size(); ++i) {
-        for (const std::int32_t edge : {of_edges.pairs[i].a, of_edges.pairs[i].b}) {
-            meets(impacts.edges[edge].a, of_edges.toi[i]);
-            meets(impacts.edges[edge].b, of_edges.toi[i]);
+    const Stencils rows = stencils(step, impacts);
+    std::size_t row = 0;
+    for (const ImpactList& list : impacts.lists) {
+        for (const double toi : list.toi) {
+            for (const std::int32_t point : rows.vertices[row]) {
+                double& first = toi_[static_cast<std::size_t>(point)];
+                first = std::min(first, toi);
+            }
+            ++row;
         }
     }
     for (std::size_t i = 0; i < end.size(); ++i) {
