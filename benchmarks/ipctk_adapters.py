@@ -70,6 +70,11 @@ def contestants(scene):
         ),
         Contestant("barrier: boxes", lambda: near(boxes), told_near),
         Contestant("barrier: BroadPhase", lambda: near(exact), told_near),
+        Contestant(
+            "barrier: normal_collisions",
+            lambda: adapter.normal_collisions(surface, start, scene.radius, detector=detector),
+            told_near,
+        ),
     ]
 
 

@@ -1,11 +1,13 @@
 // Study of the options of nearness: cost of a radius per vertex, of excluding rings of neighbours, and of a rest shape,
-// compared with one radius for all, on one thread. Radii of vertices are either all half of the one radius, so that the
-// list of pairs is the same, or differ from vertex to vertex.
+// compared with one radius for all, on one thread; also the cost of closest points, and of stencils. Radii of vertices
+// are either all half of the one radius, so that the list of pairs is the same, or differ from vertex to vertex.
 
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
+#include "crumple/stencils.h"
 #include "report.h"
 #include "studies/feature_queries.h"
 #include "studies/studies.h"
@@ -16,6 +18,7 @@ namespace {
 struct NamedQuery {
     std::string name;
     ProximityQuery query;
+    std::optional<StencilOptions> stencils = {};  ///< also makes stencils
 };
 
 /// Returns pseudo-random multiples of most / 8, up to `most`: the same radii on every machine.
@@ -36,13 +39,23 @@ nlohmann::json study(const Step& step, const Effort& effort) {
         all.push_back({fmt::format("{} rings", rings), {.radius = step.radius, .rings = rings}});
     all.push_back(
         {"the end for a rest shape", {.radius = step.radius, .rest = step.end_view(), .rest_radius = step.radius}});
+    all.push_back({"closest points", {.radius = step.radius, .closest = true}});
+    for (const bool reduced : {false, true}) {
+        const std::string name = reduced ? "closest points, reduced stencils" : "closest points, stencils";
+        const StencilOptions stencils{.reduced = reduced, .threads = 1};
+        all.push_back({name, {.radius = step.radius, .closest = true}, stencils});
+    }
 
     std::vector<Contestant> contestants;
     std::vector<std::shared_ptr<Detector>> detectors;
     for (const NamedQuery& asked : all) {
         const auto detector = std::make_shared<Detector>(Options{.threads = 1});
         detectors.push_back(detector);
-        contestants.push_back({asked.name, "", "", [=] { detector->find(mesh, asked.query); }, {}});
+        const auto find = [=] {
+            const Proximities& found = detector->find(mesh, asked.query);
+            if (asked.stencils) stencils(mesh, found, *asked.stencils);
+        };
+        contestants.push_back({asked.name, "", "", find, {}});
     }
     const std::vector<Times> times = race(contestants, effort);
     Table table(step.name, {"query", "ms", "quartiles", "times one radius", "found"});

@@ -242,6 +242,30 @@ TEST(Stencils, impact_comes_from_the_side_just_before_it_even_if_the_vertex_star
     EXPECT_NEAR(rows.normals[i][2], -1 / size, 1e-14);
 }
 
+TEST(Stencils, normals_of_random_impacts_point_to_where_the_features_were_just_before) {
+    const test::Soup<> soup = test::random_soup(test::played ? 30 : 150, 0.2);
+    const Points start = positions(soup), end = positions(test::random_soup(test::played ? 30 : 150, 0.2, 2));
+    const MeshView mesh(start, soup.triangles);
+    const Impacts found = impacts(mesh, end);
+    const Stencils rows = stencils(mesh.moving_to(view(end)), found);
+    std::vector<double> times;
+    for (const ImpactList& list : found.lists) times.insert(times.end(), list.toi.begin(), list.toi.end());
+    ASSERT_EQ(times.size(), rows.size());
+    ASSERT_GT(rows.size(), test::played ? 5U : 100U);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        EXPECT_EQ(rows.normal_from[i], before);
+        EXPECT_LT(rows.distance[i], 1e-14);
+        const double t = times[i] - 1e-7;
+        Points x = start;
+        for (std::size_t v = 0; v < x.size(); ++v)
+            for (std::size_t axis = 0; axis < 3; ++axis) x[v][axis] += t * (end[v][axis] - start[v][axis]);
+        const Point apart_before = weighted_sum(rows, i, x);
+        double side = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) side += apart_before[axis] * rows.normals[i][axis];
+        EXPECT_GT(side, 0) << i;
+    }
+}
+
 TEST(Stencils, edges_that_meet_have_a_normal_to_both) {
     const TwoEdges edges;
     const Points start = edges.at(1), end = edges.at(-1);

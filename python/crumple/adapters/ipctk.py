@@ -513,8 +513,8 @@ def normal_collisions(
     Notes
     -----
     Distances and types are decided exactly. For collision sets of the other types (IMPROVED_MAX_APPROX, OGC), call
-    `build` of ipctk with a BroadPhase of this module. Cost: that of Detector.proximities and stencils, plus about a
-    microsecond for each collision, and half of that for each pair, for can_collide.
+    `build` of ipctk with a BroadPhase of this module. Cost: that of Detector.proximities and stencils, plus some
+    microseconds for each object of ipctk, which is more than ipctk's own build takes.
     """
     if mesh.dim != 3:
         raise InvalidInput(f"normal_collisions needs a mesh in 3 dimensions, not {mesh.dim}")
@@ -534,8 +534,10 @@ def normal_collisions(
         of_kind = weight[rows.rows(kind)]
         used = np.flatnonzero(of_kind)
         listed = list(map(collision, *(column[used].tolist() for column in columns)))
-        for one, its_weight in zip(listed, of_kind[used].tolist()):
-            one.weight, one.dmin = its_weight, dmin
+        for i in np.flatnonzero(of_kind[used] != 1).tolist():  # by default, weights are 1
+            listed[i].weight = of_kind[used[i]]
+        for one in listed if dmin else ():
+            one.dmin = dmin
         return listed
 
     vertex, other = rows.vertices[rows.rows("vertex_vertex")].T[:2]
