@@ -189,6 +189,10 @@ struct Overlaps {
     Array<std::uint8_t> region_is_contact;  ///< 1 if the volume is exactly 0
     /// 1 if the region may consist of several ones, because two sheets of one surface cross within it.
     Array<std::uint8_t> region_is_merged;
+    /// Numbers of connected pieces of the first and of the second body's surface that form the region. If one body has
+    /// two or more pieces, the other body passes through it there: a rod through a plate makes a region of one piece of
+    /// the rod and two pieces of the plate. A merged region may have too few.
+    Array<std::array<std::int32_t, 2>> region_pieces;
     /// By curve, for OverlapQuery::curves and regions: its region, as an index into the regions of all rows; −1 for an
     /// open row.
     Array<std::int64_t> curve_regions;

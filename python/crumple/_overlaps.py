@@ -38,6 +38,7 @@ _OF_REGIONS = (
     "region_box",
     "region_is_contact",
     "region_is_merged",
+    "region_pieces",
     "curve_regions",
 )
 _OF_DEPTHS = ("depth_offsets", "depth_vertices", "depths", "depth_points", "depth_triangles", "deepest")
@@ -172,6 +173,11 @@ class Overlaps(Result):
     region_is_contact = bools("(r,) bool: True if the volume is exactly 0.")
     region_is_merged = bools(
         "(r,) bool: True if the region may consist of several ones, because a surface passes through itself within it."
+    )
+    region_pieces = int32(
+        "(r, 2) int32: numbers of connected pieces of the first and of the second body's surface that form the region. "
+        "If one of them is 2 or more, the other body passes through that surface, as a rod through a plate.",
+        (2,),
     )
     box = float64(
         "(k, 6) float64, for OverlapQuery(extents=True) or regions=True: low and high corner of the box of each "

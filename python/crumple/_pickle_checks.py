@@ -274,7 +274,8 @@ class _CheckOverlaps(_Check):
         if has("regions"):
             self._offsets(found.region_offsets, rows, regions, "region_offsets")
         self._that(has("regions") or not regions, "regions")
-        for name in ("centroid", "area_vector", "normal", "mean_depth", "thickness", "box", "is_contact", "is_merged"):
+        names = "centroid", "area_vector", "normal", "mean_depth", "thickness", "box", "is_contact", "is_merged", "pieces"
+        for name in names:
             self._that(len(getattr(found, f"region_{name}")) == regions, f"region_{name}")
         both = has("regions") and has("curves")
         self._that(len(found.curve_regions) == (len(found.curve_closed) if both else 0), "curve_regions")

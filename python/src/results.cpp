@@ -319,6 +319,8 @@ void bind_overlaps(nb::module_& module) {
         "region_is_contact", [](const R& r) -> auto& { return r.region_is_contact; });
     result.array<bool>(
         "region_is_merged", [](const R& r) -> auto& { return r.region_is_merged; });
+    result.array<std::int32_t>(
+        "region_pieces", [](const R& r) -> auto& { return r.region_pieces; }, 2U);
     result.array<std::int64_t>(
         "curve_regions", [](const R& r) -> auto& { return r.curve_regions; });
 }

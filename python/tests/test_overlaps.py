@@ -153,6 +153,9 @@ def test_a_row_has_regions_with_boxes(detector):
     assert found.box.tolist() == [[0.5, 0.25, 0, 5, 0.75, 0.5]] and found.thickness.tolist() == [0.5]
     assert found.curve_regions.tolist() == [0, 1]
     assert not found.region_is_contact.any() and not found.region_is_merged.any()
+    assert found.region_pieces.tolist() == [[1, 1], [1, 1]]
+    rod = box([1, 0.25, -1], [0.5, 0.5, 3])
+    assert detector.overlaps(bridge, rod, regions=True).region_pieces.tolist() == [[2, 1]]
 
 
 def test_volumes_of_unions_and_differences(detector):

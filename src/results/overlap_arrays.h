@@ -59,6 +59,7 @@ void for_each_overlap_array(Act act) {
     act("region_box", &Overlaps::region_box);
     act("region_is_contact", &Overlaps::region_is_contact);
     act("region_is_merged", &Overlaps::region_is_merged);
+    act("region_pieces", &Overlaps::region_pieces);
     act("winding_offsets", &Overlaps::winding_offsets);
     act("winding_vertices", &Overlaps::winding_vertices);
     act("windings", &Overlaps::windings);

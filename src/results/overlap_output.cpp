@@ -147,6 +147,7 @@ void add_region(const OverlapRegion& region, Overlaps& result) {
     result.region_box.push_back(box_of(region.extent));
     result.region_is_contact.push_back(numbers.volume.scaled.mantissa == 0);
     result.region_is_merged.push_back(region.merged);
+    result.region_pieces.push_back(region.pieces);
 }
 
 }  // namespace

@@ -59,6 +59,7 @@ struct OverlapRegion {
     OverlapNumbers numbers;
     OverlapExtent extent;
     bool merged = false;
+    std::array<std::int32_t, 2> pieces{};  ///< by surface: number of its connected pieces
 };
 
 /// Bounds on the least translation that separates two bodies.

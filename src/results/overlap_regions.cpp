@@ -37,10 +37,10 @@ class RegionFinder {
     RegionFinder(const RegionInput& input, Cancellation& cancellation)
         : in_(input),
           cancellation_(cancellation),
-          sets_(input.segments.size() + input.inside[0].size() + input.inside[1].size()),
+          sets_(2 * input.segments.size() + input.inside[0].size() + input.inside[1].size()),
           chains_{DisjointSets(input.segments.size()), DisjointSets(input.segments.size())},
           merged_(input.segments.size()) {
-        auto first = static_cast<std::int32_t>(in_.segments.size());
+        auto first = static_cast<std::int32_t>(2 * in_.segments.size());
         for (std::size_t side = 0; side < 2; ++side) {
             element_[side].assign(in_.vertex_count[side], -1);
             for (const VertexWinding& vertex : in_.inside[side])
@@ -76,11 +76,18 @@ class RegionFinder {
     int winding(std::size_t side, std::int32_t vertex) const {
         const std::int32_t element = element_[side][static_cast<std::size_t>(vertex)];
         if (element < 0) return 0;
-        const std::size_t first = in_.segments.size() + (side == 1 ? in_.inside[0].size() : 0);
+        const std::size_t first = 2 * in_.segments.size() + (side == 1 ? in_.inside[0].size() : 0);
         return in_.inside[side][static_cast<std::size_t>(element) - first].winding;
     }
     std::int32_t element(std::size_t side, std::int32_t vertex) const {
         return element_[side][static_cast<std::size_t>(vertex)];
+    }
+    std::int32_t segment_element(std::size_t side, std::int32_t segment) const {
+        return segment + static_cast<std::int32_t>(side * in_.segments.size());
+    }
+    /// Joins two segments on both surfaces.
+    void join_segments_of_both(std::int32_t s, std::int32_t t) {
+        for (std::size_t side = 0; side < 2; ++side) sets_.join(segment_element(side, s), segment_element(side, t));
     }
     std::int32_t face_of(std::size_t side, std::int32_t segment) const {
         const Segment& s = in_.segments[static_cast<std::size_t>(segment)];
@@ -90,7 +97,8 @@ class RegionFinder {
 
     const RegionInput& in_;
     Cancellation& cancellation_;
-    DisjointSets sets_;                   ///< segments, then inside vertices of the first and of the second surface
+    /// Segments on the first surface, segments on the second one, inside vertices of the first and of the second one.
+    DisjointSets sets_;
     std::array<DisjointSets, 2> chains_;  ///< by surface: segments that are connected within one of its faces
     std::vector<std::uint8_t> merged_;    ///< by segment: 1 if it crosses another one on a face
     std::array<std::vector<std::int32_t>, 2> element_;  ///< by surface and vertex: index in sets_, or −1 if not inside
@@ -186,18 +194,20 @@ void RegionFinder::join_along_edges() {
 void RegionFinder::join_edge(std::size_t begin, std::size_t end) {
     const EdgeEnd& edge = ends_[begin];
     int w = winding(edge.side, edge.low);
-    std::int32_t last = element(edge.side, edge.low);
+    std::int32_t last = element(edge.side, edge.low), segment = -1;  // the last element, and the last segment
     for (std::size_t i = begin; i < end; ++i) {
         const EdgeEnd& at = ends_[i];
+        const std::int32_t current = segment_element(edge.side, at.segment);
         if (i > begin && at.crossed == ends_[i - 1].crossed) {
-            sets_.join(at.segment, last);
+            join_segments_of_both(at.segment, segment);
         } else {
-            if (w != 0) sets_.join(last, at.segment);
+            if (w != 0) sets_.join(last, current);
             w += at.jump;
-            last = at.segment;
+            last = current;
+            segment = at.segment;
         }
         // On the face that the edge crosses, segments continue here.
-        chains_[1 - edge.side].join(at.segment, last);
+        chains_[1 - edge.side].join(at.segment, segment);
     }
     if (w != 0) sets_.join(last, element(edge.side, edge.high));
 }
@@ -256,7 +266,7 @@ void RegionFinder::join_crossing_sheets(std::size_t side, std::span<const std::i
             cancellation_.check();
             const auto s = static_cast<std::size_t>(sheets[i].segment), t = static_cast<std::size_t>(sheets[j].segment);
             if (!sheets_cross(side, in_.segments[s], in_.segments[t])) continue;
-            sets_.join(sheets[i].segment, sheets[j].segment);
+            join_segments_of_both(sheets[i].segment, sheets[j].segment);
             merged_[s] = merged_[t] = 1;
         }
     }
@@ -348,10 +358,10 @@ void RegionFinder::join_loops(std::size_t side, std::span<const std::int32_t> on
         for (std::size_t i = 0; i < around.before; ++i) {
             const EdgeEnd& end = *ends[around.edge][i];
             w += from == end.low ? end.jump : -end.jump;
-            at_exit = end.segment;
+            at_exit = segment_element(side, end.segment);
         }
-        const std::int32_t met = around.segment >= 0 ? around.segment : at_exit;
-        if (w != 0 && met >= 0) sets_.join(loop, met);
+        const std::int32_t met = around.segment >= 0 ? segment_element(side, around.segment) : at_exit;
+        if (w != 0 && met >= 0) sets_.join(segment_element(side, loop), met);
     }
 }
 
@@ -370,7 +380,17 @@ std::vector<const EdgeEnd*> RegionFinder::crossings_of(std::size_t side, std::in
 
 std::vector<RegionParts> RegionFinder::parts() {
     std::vector<RegionParts> regions;
-    std::vector<std::int32_t> region(in_.segments.size() + in_.inside[0].size() + in_.inside[1].size(), -1);
+    const std::size_t elements = 2 * in_.segments.size() + in_.inside[0].size() + in_.inside[1].size();
+    std::vector<std::int32_t> piece(elements), region(elements, -1);
+    for (std::size_t e = 0; e < elements; ++e) piece[e] = sets_.find(static_cast<std::int32_t>(e));
+    for (std::int32_t i = 0; i < std::ssize(in_.segments); ++i)
+        sets_.join(segment_element(0, i), segment_element(1, i));
+    std::vector<std::uint8_t> counted(elements);  // by the piece's representative
+    const auto count_piece = [&](std::size_t side, std::int32_t element, RegionParts& of) {
+        std::uint8_t& is_counted = counted[static_cast<std::size_t>(piece[static_cast<std::size_t>(element)])];
+        of.pieces[side] += 1 - is_counted;
+        is_counted = 1;
+    };
     const auto region_of = [&](std::int32_t element) -> RegionParts& {
         std::int32_t& index = region[static_cast<std::size_t>(sets_.find(element))];
         if (index < 0) {
@@ -382,11 +402,16 @@ std::vector<RegionParts> RegionFinder::parts() {
     for (std::size_t i = 0; i < in_.links; ++i) {
         RegionParts& of = region_of(static_cast<std::int32_t>(i));
         of.segments.push_back(static_cast<std::int32_t>(i));
+        for (std::size_t side = 0; side < 2; ++side)
+            count_piece(side, segment_element(side, static_cast<std::int32_t>(i)), of);
         of.merged |= merged_[i] != 0;
     }
     for (std::size_t side = 0; side < 2; ++side)
-        for (const VertexWinding& vertex : in_.inside[side])
-            region_of(element(side, vertex.vertex)).inside[side].push_back(vertex);
+        for (const VertexWinding& vertex : in_.inside[side]) {
+            RegionParts& of = region_of(element(side, vertex.vertex));
+            of.inside[side].push_back(vertex);
+            count_piece(side, element(side, vertex.vertex), of);
+        }
     std::sort(regions.begin(), regions.end(), [](const auto& x, const auto& y) { return x.key() < y.key(); });
     return regions;
 }

@@ -11,6 +11,10 @@
 //
 // belong to the same region. If two sheets of one surface cross on a face of the other, their segments are joined, too,
 // and the region is marked as merged, because sides of segments are not defined there.
+//
+// A piece is a connected part of one surface. Pieces are found by the same joins, applied to each surface alone: so
+// each segment stands for two elements, one on either surface. Then joining both elements of every segment makes the
+// regions.
 
 #include <array>
 #include <cstdint>
@@ -41,6 +45,7 @@ struct RegionParts {
     std::vector<std::int32_t> segments;                ///< ascending, without links
     std::array<std::vector<VertexWinding>, 2> inside;  ///< in the order of the input
     bool merged = false;
+    std::array<std::int32_t, 2> pieces{};  ///< by surface: number of its connected pieces
 
     /// Key by which regions are sorted: their lowest segments, then their lowest vertices.
     std::tuple<std::int32_t, std::size_t, std::int32_t> key() const;

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/disjoint_sets.h"
 #include "overlaps/closed_bodies.h"
 #include "rounds.h"
 
@@ -115,8 +116,9 @@ Cubes random_cubes(Dice& dice, int count, int size, std::array<int, 3> first) {
 struct Region {
     double volume = 0;
     std::array<double, 3> area_vector{}, low{}, high{};
+    std::array<std::int32_t, 2> pieces{};
 
-    auto key() const { return std::tie(volume, low, high, area_vector); }
+    auto key() const { return std::tie(volume, low, high, area_vector, pieces); }
     friend bool operator==(const Region& x, const Region& y) { return x.key() == y.key(); }
     friend bool operator<(const Region& x, const Region& y) { return x.key() < y.key(); }
 };
@@ -143,6 +145,7 @@ class CellOverlap {
     /// common, if they meet.
     std::vector<Region> regions() const {
         std::map<std::pair<int, int>, Region> found;
+        std::map<std::pair<int, int>, std::array<std::vector<FaceEdges>, 2>> faces;  // by body
         for (int n = 0; n < n_[0] * n_[1] * n_[2]; ++n) {
             const Cell c = cell(n);
             if (!is_full(c)) continue;
@@ -151,12 +154,18 @@ class CellOverlap {
                     Cell next = c;
                     next[axis] += step;
                     if (is_full(next)) continue;
-                    const auto [region, is_new] = found.try_emplace({label_of(c), label_of(next)});
-                    add_face(c, axis, step, a_.contains(middle(next)), is_new, region->second);
+                    const std::pair labels(label_of(c), label_of(next));
+                    const auto [region, is_new] = found.try_emplace(labels);
+                    const bool is_of_second = a_.contains(middle(next));
+                    add_face(c, axis, step, is_of_second, is_new, region->second);
+                    faces[labels][is_of_second].push_back(edges_of(c, axis, step));
                 }
         }
         std::vector<Region> regions;
-        for (const auto& [labels, region] : found) regions.push_back(region);
+        for (auto& [labels, region] : found) {
+            for (std::size_t body = 0; body < 2; ++body) region.pieces[body] = count_pieces(faces[labels][body]);
+            regions.push_back(region);
+        }
         std::sort(regions.begin(), regions.end());
         return regions;
     }
@@ -199,6 +208,31 @@ class CellOverlap {
         }
     }
 
+    /// Edges of the grid at the border of a face: axis, and indices of the lower end.
+    using FaceEdges = std::array<std::array<int, 4>, 4>;
+    static FaceEdges edges_of(const Cell& c, std::size_t axis, int step) {
+        FaceEdges edges{};
+        for (std::size_t k = 0; k < 4; ++k) {
+            const std::size_t along = (axis + 1 + k / 2) % 3, across = 3 - axis - along;
+            Cell corner = c;
+            corner[axis] += step > 0;
+            corner[across] += k % 2 == 1;
+            edges[k] = {static_cast<int>(along), corner[0], corner[1], corner[2]};
+        }
+        return edges;
+    }
+    /// Returns the number of sets of faces that are connected by edges.
+    static std::int32_t count_pieces(const std::vector<FaceEdges>& faces) {
+        DisjointSets sets(faces.size());
+        std::map<std::array<int, 4>, std::int32_t> first;
+        for (std::int32_t i = 0; i < std::ssize(faces); ++i)
+            for (const auto& edge : faces[static_cast<std::size_t>(i)])
+                sets.join(i, first.try_emplace(edge, i).first->second);
+        std::int32_t count = 0;
+        for (std::int32_t i = 0; i < std::ssize(faces); ++i) count += sets.find(i) == i;
+        return count;
+    }
+
     void add_face(const Cell& c, std::size_t axis, int step, bool outside_in_a, bool is_first, Region& region) const {
         const double at = plane(axis, c[axis] + (step > 0));
         double area = step;
@@ -226,7 +260,8 @@ class CellOverlap {
 std::vector<Region> regions_of(const Overlaps& found) {
     std::vector<Region> regions;
     for (std::size_t r = 0; r < found.region_volume.size(); ++r) {
-        Region& region = regions.emplace_back(Region{found.region_volume[r], found.region_area_vector[r], {}, {}});
+        Region& region = regions.emplace_back(Region{found.region_volume[r], found.region_area_vector[r]});
+        region.pieces = found.region_pieces[r];
         std::copy_n(found.region_box[r].begin(), 3, region.low.begin());
         std::copy_n(found.region_box[r].begin() + 3, 3, region.high.begin());
     }
@@ -238,7 +273,7 @@ std::vector<Region> regions_of(const Overlaps& found) {
 TEST(OverlapRegions, are_those_of_cells) {
     Detector detector(Options{.threads = 1});
     const int cases = scaled_rounds(300);
-    int compared = 0, with_several = 0, with_cavities = 0;
+    int compared = 0, with_several = 0, with_cavities = 0, with_pieces = 0;
     for (int seed = 0; seed < cases; ++seed) {
         Dice dice(static_cast<unsigned>(seed));
         const bool one_cube = dice.chance(0.4);
@@ -252,8 +287,10 @@ TEST(OverlapRegions, are_those_of_cells) {
                 detector.find({one.view(), other.view()}, OverlapQuery{.curves = true, .regions = true});
             std::vector<Region> regions = regions_of(found);
             if (exchanged)
-                for (Region& region : regions)
+                for (Region& region : regions) {
                     for (double& x : region.area_vector) x = 0 - x;
+                    std::swap(region.pieces[0], region.pieces[1]);
+                }
             std::sort(regions.begin(), regions.end());
             ASSERT_EQ(regions.size(), expected.size()) << "case " << seed << (exchanged ? ", exchanged" : "");
             EXPECT_TRUE(regions == expected) << "case " << seed << (exchanged ? ", exchanged" : "");
@@ -270,21 +307,49 @@ TEST(OverlapRegions, are_those_of_cells) {
         ++compared;
         with_several += expected.size() > 1;
         with_cavities += !expected.empty() && expected[0].volume < 0;
+        with_pieces += std::any_of(expected.begin(), expected.end(),
+                                   [](const Region& region) { return region.pieces[0] > 1 || region.pieces[1] > 1; });
     }
     std::printf("%d cases, %d of them with several regions, %d with cavities\n", compared, with_several, with_cavities);
     EXPECT_GT(with_several, cases / 100);
     EXPECT_GT(with_cavities, 0);
+    EXPECT_GT(with_pieces, cases / 100);
+}
+
+Soup box_soup(std::array<double, 3> low, std::array<double, 3> high) {
+    Soup soup = Cubes{1, 1, {0, 0, 0}, {true}}.surface();
+    for (auto& p : soup.vertices)
+        for (std::size_t k = 0; k < 3; ++k) p[k] = p[k] == 0 ? low[k] : high[k];
+    return soup;
+}
+
+/// Pieces depend neither on the number of curves nor on vertices: both a rod through a plate and a pipe that ends
+/// within it have two curves.
+TEST(OverlapRegions, have_two_pieces_of_a_surface_that_is_passed_through) {
+    using Pieces = std::array<std::int32_t, 2>;
+    const Soup plate = box_soup({-8, -8, -1}, {8, 8, 1});
+    Cubes pipe{3, 2, {-3, -3, 0}, std::vector<bool>(27, true)};
+    for (const std::size_t hole : {12U, 13U, 14U}) pipe.full[hole] = false;
+    const auto pieces = [&](const Soup& one, const Soup& other) {
+        const Overlaps found =
+            Detector().find({one.view(), other.view()}, OverlapQuery{.curves = true, .regions = true});
+        EXPECT_EQ(found.region_pieces.size(), 1u);
+        return std::pair(found.region_pieces[0], found.curve_closed.size());
+    };
+    const Soup rod = box_soup({-1, -1, -5}, {1, 1, 5});
+    EXPECT_EQ(pieces(rod, plate), std::pair(Pieces{1, 2}, std::size_t{2}));
+    EXPECT_EQ(pieces(plate, rod), std::pair(Pieces{2, 1}, std::size_t{2}));
+    EXPECT_EQ(pieces(box_soup({-1, -1, 0}, {1, 1, 5}), plate), std::pair(Pieces{1, 1}, std::size_t{1}));
+    EXPECT_EQ(pieces(pipe.surface(), plate), std::pair(Pieces{1, 1}, std::size_t{2}));
+    EXPECT_EQ(pieces(box_soup({7, -1, -5}, {9, 1, 5}), plate), std::pair(Pieces{1, 1}, std::size_t{1})) << "a notch";
+    const Soup within = box_soup({1, 1, -0.5}, {2, 2, 0.5});
+    EXPECT_EQ(pieces(within, plate), std::pair(Pieces{1, 0}, std::size_t{0}));
 }
 
 /// A body of two crossing slabs, whose faces cross on a face of the other body, so that the windings along a curve
 /// vary.
 TEST(OverlapRegions, are_merged_where_sheets_cross) {
-    const auto box = [](std::array<double, 3> low, std::array<double, 3> high) {
-        Soup soup = Cubes{1, 1, {0, 0, 0}, {true}}.surface();
-        for (auto& p : soup.vertices)
-            for (std::size_t k = 0; k < 3; ++k) p[k] = p[k] == 0 ? low[k] : high[k];
-        return soup;
-    };
+    const auto box = box_soup;
     const Soup floor = box({-8, -8, -2}, {8, 8, 0});
     const Soup slabs = test::joined(box({-4, -1, -1}, {4, 1, 3}), box({-1, -4.5, -1.5}, {1, 4.5, 2}));
     Detector detector;

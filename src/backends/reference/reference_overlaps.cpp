@@ -339,6 +339,7 @@ class BruteForceOverlap {
             region.numbers = finish(sums, origin_, false);
             region.extent = extent(parts, region.numbers.normal);
             region.merged = parts.merged;
+            region.pieces = parts.pieces;
         }
     }
 

@@ -67,6 +67,7 @@ std::vector<OverlapRegion> OverlapOfBodies::regions(const ForwardSegments& forwa
         regions[r].numbers = finish(sums, sums_.surfaces.origin, false);
         was_exact_ |= sums.was_exact();
         regions[r].merged = found[r].merged;
+        regions[r].pieces = found[r].pieces;
         ExtentSearch extent(sums_.surfaces, {found[r].inside[0], found[r].inside[1]}, sums.segments, cancellation_);
         regions[r].extent = extent.find(regions[r].numbers.normal);
         was_exact_ |= extent.was_exact();
