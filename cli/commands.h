@@ -10,7 +10,8 @@ namespace crumple::cli {
 
 enum Status : int {
     done = 0,
-    collided = 1,  ///< --check: something was found (info: a body is no solid's surface); verify: the list is wrong
+    collided = 1,  ///< --check and check: something was found (info: a body is no solid's surface); verify: the list is
+                   ///< wrong
     failed = 2,    ///< wrong use, bad input, a file that cannot be written
     out_of_memory = 3,  ///< under --memory-limit the message has a lower bound on the bytes needed
     interrupted = 130   ///< sequence: ended by Ctrl-C
@@ -28,6 +29,7 @@ Command add_impacts(CLI::App& app);
 Command add_near(CLI::App& app);
 Command add_overlap(CLI::App& app);
 Command add_sequence(CLI::App& app);
+Command add_check(CLI::App& app);
 Command add_info(CLI::App& app);
 Command add_verify(CLI::App& app);
 Command add_make(CLI::App& app);

@@ -21,8 +21,8 @@ struct Group {
 const std::vector<Group>& groups() {
     static const std::vector<Group> all{
         {"Options",
-         {"output", "check", "contacts", "radius", "first", "triangle-pairs", "candidates", "overlaps", "body-pairs",
-          "groups", "filter", "help"}},
+         {"output", "check", "json", "contacts", "radius", "first", "triangle-pairs", "candidates", "overlaps",
+          "body-pairs", "groups", "filter", "help"}},
         {"What counts",
          {"neighbours",
           "kind",
@@ -44,7 +44,9 @@ const std::vector<Group>& groups() {
           "open",
           "regions",
           "depth-tolerance",
-          "withdraw"}},
+          "withdraw",
+          "ignore-below",
+          "clearance"}},
         {"Bodies", {"excluded-bodies", "excluded-bodies-from", "poses", "any-by-world"}},
         {"Reading files", {"unit", "weld", "no-weld", "precision", "triangulation", "strict"}},
         {"Output format and progress", {"format", "stream", "stats", "progress"}},

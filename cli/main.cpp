@@ -28,12 +28,13 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", "crumple " CRUMPLE_VERSION, "Print the version and exit");
     app.require_subcommand(0, 1);  // at most one subcommand, so a file after it may have the name of another one
     app.footer(
-        "Exit status: 0 success; 1 something collides, touches, is near or overlaps (with --check), or a list is\n"
-        "wrong (verify); 2 wrong use or bad input; 3 out of memory: under --memory-limit, the message has a lower\n"
-        "bound on the bytes needed; 130 interrupted.\n\n"
+        "Exit status: 0 success; 1 something collides, touches, is near or overlaps (with --check), there are "
+        "findings\n"
+        "(check), or a list is wrong (verify); 2 wrong use or bad input; 3 out of memory: under --memory-limit, the\n"
+        "message has a lower bound on the bytes needed; 130 interrupted.\n\n"
         "Example: crumple detect bunny.ply -o pairs.txt --stats");
-    const std::array commands{add_detect(app), add_impacts(app), add_near(app), add_overlap(app), add_sequence(app),
-                              add_info(app),   add_verify(app),  add_make(app), add_convert(app)};
+    const std::array commands{add_detect(app),   add_check(app), add_impacts(app), add_near(app), add_overlap(app),
+                              add_sequence(app), add_info(app),  add_verify(app),  add_make(app), add_convert(app)};
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& success) {
@@ -50,7 +51,8 @@ int run(int argc, char** argv) {
         print_error(command.app->get_name() + " is not supported on several ranks: run it in one process");
         return failed;
     }
-    print_error("a subcommand is required: detect, impacts, near, overlap, sequence, info, verify, make or convert");
+    print_error(
+        "a subcommand is required: detect, check, impacts, near, overlap, sequence, info, verify, make or convert");
     return failed;
 }
 

@@ -375,5 +375,6 @@ const typename Query::Result& SearchSession::find(const BodyOrigins& origins, st
 template const Intersections& SearchSession::find(const BodyOrigins&, std::int64_t, const World&,
                                                   const IntersectionQuery&);
 template const Overlaps& SearchSession::find(const BodyOrigins&, std::int64_t, const World&, const OverlapQuery&);
+template const Distances& SearchSession::find(const BodyOrigins&, std::int64_t, const World&, const DistanceQuery&);
 
 }  // namespace crumple::cli

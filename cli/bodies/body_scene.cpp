@@ -16,7 +16,8 @@ std::string help_under(const std::string& condition, std::string help) {
     return condition + help;
 }
 
-std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& options, const BodyOptionWords& words) {
+std::vector<const CLI::Option*> add_excluded_options(CLI::App& app, BodyOptions& options,
+                                                     const BodyOptionWords& words) {
     return {app.add_option("--excluded-bodies", options.excluded,
                            help_under(words.condition, std::string(words.excluded) + ". May be repeated"))
                 ->type_name("A,B")
@@ -24,13 +25,18 @@ std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& opt
             app.add_option("--excluded-bodies-from", options.exclude_from,
                            "The same for all pairs in a file: two names per line, separated by a tab, or a .csv or "
                            ".json, as detect --groups bodies writes them")
-                ->type_name("FILE"),
-            app.add_option("--poses", options.poses,
-                           help_under(words.condition,
-                                      "many configurations instead of that of the files: for each configuration and "
-                                      "body a row of 12 numbers, the rows of its matrix (A | t); text or .npy. " +
-                                          std::string(words.rows)))
                 ->type_name("FILE")};
+}
+
+std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& options, const BodyOptionWords& words) {
+    std::vector<const CLI::Option*> added = add_excluded_options(app, options, words);
+    const std::string poses = help_under(
+        words.condition,
+        "many configurations instead of that of the files: for each configuration and body a row of 12 numbers, the "
+        "rows of its matrix (A | t); text or .npy. " +
+            std::string(words.rows));
+    added.push_back(app.add_option("--poses", options.poses, poses)->type_name("FILE"));
+    return added;
 }
 
 BodyScene::BodyScene(const std::vector<std::string>& files, const ReadingOptions& reading, const BodyOptions& options)

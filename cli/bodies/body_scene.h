@@ -37,6 +37,8 @@ struct BodyOptionWords {
     const char* excluded;   ///< effect of an excluded pair: "these two bodies may collide"
     const char* rows;       ///< sentence about the rows that the command writes for a configuration
 };
+/// Adds --excluded-bodies and --excluded-bodies-from to a command. Returns the added options.
+std::vector<const CLI::Option*> add_excluded_options(CLI::App& app, BodyOptions& options, const BodyOptionWords& words);
 /// Adds the options of BodyOptions to a command, except --any-by-world, which only commands that list configurations
 /// have. Returns the added options.
 std::vector<const CLI::Option*> add_body_options(CLI::App& app, BodyOptions& options, const BodyOptionWords& words);

@@ -1,11 +1,7 @@
 // crumple info: reports on the contents of a file.
 
 #include <algorithm>
-#include <array>
-#include <future>
-#include <iterator>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,11 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/bodies_of_files.h"
+#include "cli/checks/body_report.h"
 #include "cli/commands.h"
 #include "cli/terminal.h"
-#include "cli/topology.h"
 #include "crumple/device.h"
-#include "crumple/open_edges.h"
 #include "io/formats.h"
 
 namespace crumple::cli {
@@ -33,87 +28,6 @@ std::string some(const std::vector<std::int32_t>& triangles) {
            fmt::format(" ({}{})", fmt::join(triangles.begin(), end, ", "), end == triangles.end() ? "" : ", ...");
 }
 
-std::int64_t count_unused_vertices(const io::TriangleMesh& mesh) {
-    std::vector<bool> used(static_cast<std::size_t>(mesh.vertex_count()));
-    for (const std::int32_t corner : mesh.triangles) used[static_cast<std::size_t>(corner)] = true;
-    return std::count(used.begin(), used.end(), false);
-}
-
-using Point = std::array<double, 3>;
-
-Point point_of(const io::TriangleMesh& mesh, std::int32_t vertex) {
-    const auto at = 3 * static_cast<std::size_t>(vertex);
-    return std::visit(
-        [at](const auto& xyz) {
-            return Point{double{xyz[at]}, double{xyz[at + 1]}, double{xyz[at + 2]}};
-        },
-        mesh.vertices);
-}
-
-/// Returns coordinates as the shortest decimals that read back as the mesh's numbers.
-std::string text_of_point(const io::TriangleMesh& mesh, const Point& p) {
-    if (mesh.precision() == ScalarType::float64) return fmt::format("{}", fmt::join(p, " "));
-    return fmt::format("{} {} {}", static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]));
-}
-
-struct BoundingBox {
-    Point low, high;
-};
-
-std::optional<BoundingBox> box_of(const io::TriangleMesh& mesh) {
-    if (mesh.vertex_count() == 0) return std::nullopt;
-    BoundingBox box{point_of(mesh, 0), point_of(mesh, 0)};
-    for (std::int32_t v = 1; v < mesh.vertex_count(); ++v) {
-        const Point p = point_of(mesh, v);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            box.low[axis] = std::min(box.low[axis], p[axis]);
-            box.high[axis] = std::max(box.high[axis], p[axis]);
-        }
-    }
-    return box;
-}
-
-/// Properties of one body, which is posed, or of a mesh.
-struct Report {
-    Report(const io::TriangleMesh& mesh, bool lists_open_edges)
-        : vertices(mesh.vertex_count()),
-          unused(count_unused_vertices(mesh)),
-          triangles(mesh.triangle_count()),
-          precision(mesh.precision() == ScalarType::float32 ? "float32" : "float64"),
-          box(box_of(mesh)) {
-        // Runs the two slowest reports in threads of their own.
-        auto finds_duplicated = std::async(std::launch::async, [&] { return duplicated_triangles(mesh); });
-        auto reports_edges = std::async(std::launch::async, [&] { return report_edges(mesh); });
-        degenerate = degenerate_triangles(mesh);
-        std::vector<std::int32_t> labels;
-        components = label_components(mesh, labels);
-        edges = reports_edges.get();
-        duplicated = finds_duplicated.get();
-        if (lists_open_edges) listed = open_edges(mesh.view());
-        if (triangles > 0 && edges.closed && !edges.flipped) volume = signed_volume(mesh);
-    }
-    /// True if the body is closed and consistently oriented, and has no degenerate triangle. The test of --check: does
-    /// not test whether the surface intersects itself.
-    bool is_sound() const { return triangles > 0 && edges.closed && !edges.flipped && degenerate.empty(); }
-
-    std::int64_t vertices, unused, triangles;
-    const char* precision;
-    std::optional<BoundingBox> box;
-    std::vector<std::int32_t> degenerate, duplicated;
-    EdgeReport edges;
-    std::optional<Array<OpenEdge>> listed;
-    std::int32_t components = 0;
-    std::optional<double> volume;  ///< set for a closed mesh with consistent orientation
-};
-
-constexpr std::size_t most_edges = 3;  // number of open edges that are shown without --open-edges
-
-/// Returns "3-5, from (0 0 0) to (1 0 0)": the vertices of an edge, by their indices in the mesh, and their positions.
-std::string describe(const io::TriangleMesh& mesh, const Edge& edge) {
-    return fmt::format("{}-{}, from ({}) to ({})", edge.a, edge.b, text_of_point(mesh, point_of(mesh, edge.a)),
-                       text_of_point(mesh, point_of(mesh, edge.b)));
-}
-
 class Printer {
    public:
     Printer(std::ostream& out, io::Unit unit) : out_(out), unit_(unit) {}
@@ -122,7 +36,7 @@ class Printer {
 
     void print_unit() { row("unit", io::name_of(unit_)); }
 
-    void print(const io::TriangleMesh& mesh, const Report& report) {
+    void print(const io::TriangleMesh& mesh, const BodyReport& report) {
         row("vertices", fmt::format("{} ({} unused)", grouped(report.vertices), grouped(report.unused)));
         row("triangles", grouped(report.triangles));
         row("precision", report.precision);
@@ -132,7 +46,7 @@ class Printer {
         row("degenerate triangles", some(report.degenerate));
         row("duplicated triangles", some(report.duplicated));
         row("open edges", grouped(std::ssize(report.edges.open)));
-        for (std::size_t i = 0; i < std::min(most_edges, report.edges.open.size()); ++i)
+        for (std::size_t i = 0; i < std::min(BodyReport::most_edges, report.edges.open.size()); ++i)
             row(i ? "" : "  the first", describe(mesh, report.edges.open[i]));
         if (report.listed) print_list(mesh, *report.listed);
         row("holes", grouped(report.edges.holes));
@@ -153,7 +67,7 @@ class Printer {
             row("", fmt::format("{}, of triangle {}", describe(mesh, open.edge), open.triangle));
     }
 
-    std::string volume_of(const Report& report) const {
+    std::string volume_of(const BodyReport& report) const {
         if (!report.volume) return "none: the surface is not closed, or not consistently oriented";
         return fmt::format("{:.6g}{}{}", *report.volume,
                            unit_ == io::Unit::unknown ? "" : fmt::format(" {}^3", io::name_of(unit_)),
@@ -164,46 +78,6 @@ class Printer {
     io::Unit unit_;
 };
 
-nlohmann::json json_of(const io::TriangleMesh& mesh, const Edge& edge) {
-    return {{"vertices", {edge.a, edge.b}}, {"points", {point_of(mesh, edge.a), point_of(mesh, edge.b)}}};
-}
-
-nlohmann::json json_of(const std::string& name, const io::TriangleMesh& mesh, const Report& report) {
-    using Json = nlohmann::json;
-    Json open = Json::array();
-    for (std::size_t i = 0; i < std::min(most_edges, report.edges.open.size()); ++i)
-        open.push_back(json_of(mesh, report.edges.open[i]));
-    Json listed = Json::array();
-    for (const OpenEdge& edge : report.listed ? report.listed->span() : std::span<const OpenEdge>()) {
-        listed.push_back(json_of(mesh, edge.edge));
-        listed.back()["triangle"] = edge.triangle;
-    }
-    Json flipped;
-    if (const auto& found = report.edges.flipped) {
-        flipped = json_of(mesh, found->edge);
-        flipped["triangles"] = {found->first, found->second};
-    }
-    Json result{{"name", name},
-                {"vertices", report.vertices},
-                {"unused_vertices", report.unused},
-                {"triangles", report.triangles},
-                {"precision", report.precision},
-                {"box", report.box ? Json{{"low", report.box->low}, {"high", report.box->high}} : Json()},
-                {"degenerate_triangles", report.degenerate},
-                {"duplicated_triangles", report.duplicated},
-                {"open_edges", {{"count", report.edges.open.size()}, {"first", open}}},
-                {"holes", report.edges.holes},
-                {"non_manifold_edges", report.edges.non_manifold},
-                {"consistently_oriented", !report.edges.flipped},
-                {"first_flipped_edge", flipped},
-                {"connected_components", report.components},
-                {"closed", report.triangles > 0 && report.edges.closed},
-                {"volume", report.volume ? Json(*report.volume) : Json()},
-                {"sound", report.is_sound()}};
-    if (report.listed) result["list_of_open_edges"] = std::move(listed);
-    return result;
-}
-
 struct Info {
     std::string file;
     ReadingOptions reading;
@@ -213,14 +87,6 @@ struct Info {
         const io::WorldMesh world = read_bodies({file}, reading);
         const auto bodies = world.bodies.size();
         const auto body = [&](std::size_t b) -> const io::NamedBody& { return world.bodies[b]; };
-        const auto mesh = [&](std::size_t b) {
-            io::WorldMesh alone;
-            alone.shapes = {world.shapes[static_cast<std::size_t>(body(b).shape)]};
-            alone.bodies = {body(b)};
-            alone.bodies[0].shape = 0;
-            alone.unit = world.unit;
-            return body(b).pose == Pose{} ? std::move(alone.shapes[0]) : io::posed_mesh(alone);
-        };
         bool sound = bodies > 0;
         nlohmann::json list = nlohmann::json::array();
         to_standard_output([&](std::ostream& out) {
@@ -229,8 +95,8 @@ struct Info {
             if (!json && scene) print_bodies(printer, world);
             if (!json && !scene) printer.print_unit();
             for (std::size_t b = 0; b < bodies; ++b) {
-                const io::TriangleMesh posed = mesh(b);
-                const Report report(posed, open_edges);
+                const io::TriangleMesh posed = posed_body(world, b);
+                const BodyReport report(posed, open_edges);
                 sound = sound && report.is_sound();
                 if (json) {
                     list.push_back(json_of(body(b).name, posed, report));
@@ -298,8 +164,8 @@ Command add_info(CLI::App& app) {
     add_reading_options(command, info->reading);
     command.add_flag("--json", info->json, "Write the same as JSON");
     command.add_flag("--check", info->check,
-                     "Exit with status 1 unless every body is closed, consistently oriented, and without degenerate "
-                     "triangles. To check whether a body passes through itself, use detect --check");
+                     "Exit with status 1 unless every body is closed, consistently oriented, not inside out, and "
+                     "without degenerate triangles. crumple check also checks whether a body passes through itself");
     command.add_flag("--open-edges", info->open_edges,
                      "List all open edges of each body: those that occur in its triangles more often in one direction "
                      "than in the other, such as an edge that two triangles traverse in the same direction; each with "

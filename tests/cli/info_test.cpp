@@ -41,7 +41,7 @@ std::string cube_with(const std::string& last_triangle) {
            last_triangle + "\n";
 }
 
-TEST_F(Info, check_fails_for_open_inconsistently_oriented_or_empty_meshes) {
+TEST_F(Info, check_fails_for_open_inconsistently_oriented_inside_out_or_empty_meshes) {
     const auto info = [&](const std::string& off, const std::string& options = "") {
         write("a.off", off);
         return crumple("info a.off --check " + options);
@@ -67,6 +67,8 @@ TEST_F(Info, check_fails_for_open_inconsistently_oriented_or_empty_meshes) {
         for (std::size_t at = 0; (at = inside_out.find(from, at)) != inside_out.npos; at += 3)
             inside_out.replace(at, 3, to);
     EXPECT_TRUE(contains(info(inside_out).out, "volume                -1: the surface is inside out\n"));
+    EXPECT_EQ(info(inside_out).status, 1);
+    EXPECT_TRUE(contains(info(inside_out, "--json").out, "\"inside_out\": true"));
     EXPECT_EQ(info("OFF\n0 0 0\n").status, 1) << "nothing is no solid";
 
     const auto scaled = [&](const std::string& power) {

@@ -18,7 +18,7 @@ class Misuse : public Cli {
 };
 
 TEST_F(Misuse, wrong_commands_and_arguments_are_refused) {
-    expect_refused("", "detect, impacts, near, overlap, sequence, info, verify, make or convert");
+    expect_refused("", "detect, check, impacts, near, overlap, sequence, info, verify, make or convert");
     expect_refused("dettect five.off", "dettect; did you mean detect?");
     expect_refused("five.off", "not expected: five.off; see crumple --help");
     expect_refused("--fast", "not expected: --fast; see crumple --help");

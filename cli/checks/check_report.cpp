@@ -1,0 +1,352 @@
+#include "cli/checks/check_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "cli/checks/crossing_places.h"
+#include "cli/checks/pair_items.h"
+#include "cli/checks/surface_items.h"
+
+namespace crumple::cli {
+namespace {
+
+/// World of meshes without poses, with the part of a body that each of them is.
+struct PartWorld {
+    std::vector<BodyPart> parts;
+    std::vector<Shape> shapes;
+    std::vector<Body> bodies;
+    BodyOrigins origins;
+
+    void add(const io::TriangleMesh& mesh, const BodyPart& part, Body body) {
+        body.shape = static_cast<std::int32_t>(shapes.size());
+        parts.push_back(part);
+        shapes.emplace_back(mesh.view());
+        bodies.push_back(body);
+    }
+    World world() const { return {shapes, bodies, {}}; }
+};
+
+/// Returns the volume that a closed surface covers more than once. `overlap`: ½ ∫ (w² − w) dx for its winding numbers
+/// w, which also counts the inside of a surface that is inside out; `volume`: ∫ w dx.
+double covered_twice(double overlap, double volume) { return overlap + std::min(volume, 0.0); }
+
+class BodyCheck {
+   public:
+    BodyCheck(SearchSession& search, const BodyScene& scene, const CheckOptions& options)
+        : search_(search), scene_(scene), options_(options), pairs_(options) {}
+
+    CheckReport run() {
+        report_.names = scene_.names();
+        report_.files = scene_.origins().files;
+        report_.unit = scene_.mesh().unit;
+        read_surfaces();
+        list_shells();
+        find_crossings();
+        measure_bodies();
+        measure_shells();
+        add_places();
+        mark_cavities();
+        add_duplicates();
+        measure_distances();
+        collect_items();
+        return std::move(report_);
+    }
+
+   private:
+    void read_surfaces();
+    void list_shells();
+    void find_crossings();
+    void measure_bodies();
+    void measure_shells();
+    void add_places();
+    void mark_cavities();
+    void add_duplicates();
+    void measure_distances();
+    void collect_items();
+
+    template <class Query>
+    const typename Query::Result& find(const PartWorld& parts, const Query& query) {
+        const auto& found = search_.find(parts.origins, -1, parts.world(), query);
+        report_.milliseconds += found.statistics.milliseconds;
+        return found;
+    }
+    PartWorld world_of_bodies() const;
+    OverlapQuery overlap_query() const;
+    bool meets_itself(std::int32_t body) const;
+
+    CheckedBody& body(std::int32_t b) { return report_.bodies[static_cast<std::size_t>(b)]; }
+    CheckedShell& shell(std::int32_t s) { return report_.shells[static_cast<std::size_t>(s)]; }
+    CheckedShell& shell(const BodyPart& part) { return shell(body(part.body).first_shell + part.shell); }
+    const std::string& file_of(std::int32_t body) const {
+        return scene_.origins().file_of_body[static_cast<std::size_t>(body)];
+    }
+
+    SearchSession& search_;
+    const BodyScene& scene_;
+    const CheckOptions& options_;
+    CheckReport report_;
+    std::vector<CrossingPlace> places_;
+    PairItems pairs_;
+};
+
+void BodyCheck::read_surfaces() {
+    for (std::size_t b = 0; b < report_.names.size(); ++b) {
+        io::TriangleMesh mesh = posed_body(scene_.mesh(), b);
+        BodyReport report(mesh, false);
+        std::vector<BoundaryLoop> loops = find_boundary_loops(mesh, report.edges.open);
+        const auto none = report.has_inside() ? std::optional(0.0) : std::nullopt;
+        report_.bodies.push_back({std::move(mesh), std::move(report), std::move(loops), 0, 0, none});
+    }
+}
+
+void BodyCheck::list_shells() {
+    std::vector<std::size_t> first_mesh;
+    for (CheckedBody& checked : report_.bodies) {
+        first_mesh.push_back(report_.shell_meshes.size());
+        if (checked.report.components < 2) continue;
+        for (ShellMesh& shell : split_into_shells(checked.mesh, checked.report.labels, checked.report.components))
+            report_.shell_meshes.push_back(std::move(shell));
+    }
+    for (std::int32_t b = 0; b < std::ssize(report_.bodies); ++b) {
+        CheckedBody& checked = body(b);
+        checked.first_shell = static_cast<std::int32_t>(report_.shells.size());
+        checked.shells = checked.report.components;
+        for (std::int32_t s = 0; s < checked.shells; ++s) {
+            CheckedShell& added = report_.shells.emplace_back(CheckedShell{{b, s}, &checked.mesh});
+            if (checked.shells == 1) {
+                added.volume = checked.report.volume;
+                added.overlap_with_itself = checked.overlap_with_itself;
+                continue;
+            }
+            ShellMesh& part =
+                report_.shell_meshes[first_mesh[static_cast<std::size_t>(b)] + static_cast<std::size_t>(s)];
+            added.mesh = &part.mesh;
+            added.triangles = std::move(part.triangles);
+        }
+    }
+}
+
+/// Finds all pairs of triangles that intersect, and their places.
+void BodyCheck::find_crossings() {
+    PartWorld shells;
+    shells.origins = {scene_.origins().files, {}, {}};
+    std::vector<const io::TriangleMesh*> meshes;
+    for (const CheckedShell& shell : report_.shells) {
+        shells.add(*shell.mesh, shell.part, {.group = shell.part.body, .self = true});
+        shells.origins.names.push_back(report_.names[static_cast<std::size_t>(shell.part.body)]);
+        shells.origins.file_of_body.push_back(file_of(shell.part.body));
+        meshes.push_back(shell.mesh);
+    }
+    IntersectionQuery query{.output = Output::contacts};
+    for (const BodyPair& pair : scene_.excluded(1)) query.filter.excluded_groups.push_back({pair.first, pair.second});
+    const std::vector<Body> bodies = scene_.bodies(1, true);
+    for (std::int32_t b = 0; b < std::ssize(bodies); ++b)
+        if (!bodies[static_cast<std::size_t>(b)].self) query.filter.excluded_groups.push_back({b, b});
+    report_.crossings = find(shells, query);
+    places_ = find_places(report_.crossings, meshes);
+}
+
+PartWorld BodyCheck::world_of_bodies() const {
+    PartWorld world;
+    world.origins = scene_.origins();
+    for (std::int32_t b = 0; b < std::ssize(report_.bodies); ++b)
+        world.add(report_.bodies[static_cast<std::size_t>(b)].mesh, {b}, {});
+    return world;
+}
+
+OverlapQuery BodyCheck::overlap_query() const {
+    double diagonal = std::numeric_limits<double>::infinity();
+    for (const CheckedBody& checked : report_.bodies) {
+        if (!checked.report.box) continue;
+        const auto& [low, high] = *checked.report.box;
+        const double length = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+        if (length > 0) diagonal = std::min(diagonal, length);
+    }
+    OverlapQuery query{.open = OpenSurfaces::skip, .self_overlaps = true, .regions = true};
+    query.depth_tolerance = std::isfinite(diagonal) ? diagonal / 1024 : 1;
+    if (options_.ignore_below > 0) query.depth_tolerance = std::min(query.depth_tolerance, options_.ignore_below / 4);
+    return query;
+}
+
+bool BodyCheck::meets_itself(std::int32_t b) const {
+    return std::any_of(places_.begin(), places_.end(), [&](const CrossingPlace& place) {
+        const auto body_of = [&](std::int32_t s) { return report_.shells[static_cast<std::size_t>(s)].part.body; };
+        return body_of(place.shells.first) == b && body_of(place.shells.second) == b;
+    });
+}
+
+/// Measures how much bodies overlap each other, and bodies of one shell themselves.
+void BodyCheck::measure_bodies() {
+    if (report_.bodies.size() == 1 && (body(0).shells != 1 || !meets_itself(0))) return;
+    const PartWorld world = world_of_bodies();
+    OverlapQuery query = overlap_query();
+    query.filter.excluded_bodies = scene_.excluded(1);
+    const Overlaps& found = find(world, query);
+    pairs_.add(found, world.parts);
+    for (std::size_t i = 0; i < found.bodies.size(); ++i) {
+        const auto [first, second] = found.bodies[i];
+        if (first != second) continue;
+        CheckedBody& checked = body(first);
+        checked.overlap_with_itself = covered_twice(found.volume[i], *checked.report.volume);
+        if (checked.shells == 1) shell(checked.first_shell).overlap_with_itself = checked.overlap_with_itself;
+    }
+}
+
+/// Measures the shells of bodies that have several, and how much these overlap.
+void BodyCheck::measure_shells() {
+    PartWorld world;
+    std::vector<std::int32_t> shell_of;
+    for (std::int32_t s = 0; s < std::ssize(report_.shells); ++s) {
+        const BodyPart part = shell(s).part;
+        if (body(part.body).shells < 2) continue;
+        shell_of.push_back(s);
+        world.add(*shell(s).mesh, part, {.world = part.body});  // shells of different bodies are not paired
+        world.origins.names.push_back(report_.names[static_cast<std::size_t>(part.body)]);
+        world.origins.file_of_body.push_back(file_of(part.body));
+    }
+    world.origins.files = scene_.origins().files;
+    if (shell_of.empty()) return;
+    const Overlaps& found = find(world, overlap_query());
+    pairs_.add(found, world.parts);
+    for (std::size_t i = 0; i < shell_of.size(); ++i)
+        if (!std::isnan(found.body_volume[i])) {
+            shell(shell_of[i]).volume = found.body_volume[i];
+            shell(shell_of[i]).overlap_with_itself = 0;
+        }
+    for (std::size_t i = 0; i < found.bodies.size(); ++i) {
+        const auto [first, second] = found.bodies[i];
+        const auto number = [&](std::int32_t j) { return world.parts[static_cast<std::size_t>(j)].shell; };
+        const auto of = [&](std::int32_t j) -> CheckedShell& { return shell(shell_of[static_cast<std::size_t>(j)]); };
+        if (first == second) of(first).overlap_with_itself = covered_twice(found.volume[i], *of(first).volume);
+        if (found.relation[i] == OverlapRelation::first_inside) of(first).inside.push_back(number(second));
+        if (found.relation[i] == OverlapRelation::second_inside) of(second).inside.push_back(number(first));
+    }
+}
+
+/// Adds the places where surfaces meet, to the pair of bodies or of shells, or as items of one shell.
+void BodyCheck::add_places() {
+    std::vector<CheckItem> alone;
+    for (CrossingPlace& place : places_) {
+        const CheckedShell &first = shell(place.shells.first), &second = shell(place.shells.second);
+        if (place.shells.first != place.shells.second) {
+            const bool same_body = first.part.body == second.part.body;
+            pairs_.add(place,
+                       same_body ? PartPair(first.part, second.part) : PartPair({first.part.body}, {second.part.body}));
+            continue;
+        }
+        const bool only_touches = first.overlap_with_itself && *first.overlap_with_itself == 0;
+        CheckItem& item = alone.emplace_back(
+            CheckItem{only_touches ? ItemKind::self_contact : ItemKind::self_intersection, first.part});
+        item.centre = place.centre;
+        item.box = place.box;
+        item.count = place.triangles;
+        item.rows = std::move(place.rows);
+    }
+    std::map<BodyPart, std::int64_t> count;
+    for (const CheckItem& item : alone) ++count[item.first];
+    for (CheckItem& item : alone)
+        if (count[item.first] == 1 && item.kind == ItemKind::self_intersection)
+            if (const auto& volume = shell(item.first).overlap_with_itself) item.volume = *volume;
+    std::stable_sort(alone.begin(), alone.end(), [](const CheckItem& x, const CheckItem& y) {
+        return std::pair(x.first, -x.count) < std::pair(y.first, -y.count);
+    });
+    report_.items.insert(report_.items.end(), alone.begin(), alone.end());
+}
+
+/// Decides for each closed shell whether it is a cavity, or faces the wrong side: outside of it, as far as other shells
+/// are concerned, a winding number of 0 must become 1 inside, or 1 must become 0.
+void BodyCheck::mark_cavities() {
+    for (CheckedShell& checked : report_.shells) {
+        if (!checked.volume || *checked.volume == 0) continue;
+        const CheckedBody& of = body(checked.part.body);
+        for (const std::int32_t other : checked.inside) {
+            const auto& volume = shell(of.first_shell + other).volume;
+            checked.winding_around += volume && *volume < 0 ? -1 : 1;
+        }
+        checked.is_cavity = *checked.volume < 0 && checked.winding_around == 1;
+        if (*checked.volume < 0 && !checked.is_cavity) {
+            const bool is_whole = of.shells == 1;
+            CheckItem& item = report_.items.emplace_back(
+                CheckItem{ItemKind::inside_out, {checked.part.body, is_whole ? -1 : checked.part.shell}});
+            item.volume = *checked.volume;
+            item.count = checked.mesh->triangle_count();
+            item.box = cli::box_of(*checked.mesh);
+            item.centre.emplace();
+            for (std::size_t k = 0; k < 3; ++k) (*item.centre)[k] = item.box->low[k] / 2 + item.box->high[k] / 2;
+        }
+    }
+}
+
+/// Marks pairs of bodies with the same triangles: equal corners, in any order.
+void BodyCheck::add_duplicates() {
+    using Corners = std::array<Point, 3>;
+    const auto excluded = scene_.excluded(1);
+    const auto is_excluded = [&](std::int32_t a, std::int32_t b) {
+        return std::any_of(excluded.begin(), excluded.end(), [&](const BodyPair& pair) {
+            return pair == BodyPair{a, b} || pair == BodyPair{b, a};
+        });
+    };
+    std::map<std::tuple<std::int64_t, Point, Point>, std::vector<std::int32_t>> alike;
+    for (std::int32_t b = 0; b < std::ssize(report_.bodies); ++b)
+        if (const BodyReport& report = body(b).report; report.triangles > 0)
+            alike[{report.triangles, report.box->low, report.box->high}].push_back(b);
+    for (const auto& [properties, bodies] : alike) {
+        if (bodies.size() < 2) continue;
+        std::vector<std::vector<Corners>> triangles;
+        for (const std::int32_t b : bodies) {
+            const io::TriangleMesh& mesh = body(b).mesh;
+            auto& list = triangles.emplace_back(static_cast<std::size_t>(mesh.triangle_count()));
+            for (std::size_t t = 0; t < list.size(); ++t) {
+                for (std::size_t k = 0; k < 3; ++k) list[t][k] = point_of(mesh, mesh.triangles[3 * t + k]);
+                std::sort(list[t].begin(), list[t].end());
+            }
+            std::sort(list.begin(), list.end());
+        }
+        for (std::size_t i = 0; i < bodies.size(); ++i)
+            for (std::size_t j = i + 1; j < bodies.size(); ++j)
+                if (triangles[i] == triangles[j] && !is_excluded(bodies[i], bodies[j]))
+                    pairs_.add_duplicate({{bodies[i]}, {bodies[j]}});
+    }
+}
+
+void BodyCheck::measure_distances() {
+    if (!options_.clearance || report_.bodies.size() < 2) return;
+    DistanceQuery query{.radius = *options_.clearance};
+    query.filter.excluded_bodies = scene_.excluded(1);
+    pairs_.add(find(world_of_bodies(), query));
+}
+
+/// Puts the items in order: for each body those about its surface, then those about its shells; then pairs of bodies.
+void BodyCheck::collect_items() {
+    std::vector<CheckItem> items;
+    for (std::int32_t b = 0; b < std::ssize(report_.bodies); ++b) add_surface_items(b, body(b), items);
+    for (CheckItem& item : report_.items) items.push_back(std::move(item));
+    std::vector<CheckItem> pairs = std::move(pairs_).items();
+    for (CheckItem& item : pairs) {
+        if (item.first.body != item.second.body) continue;
+        if (item.kind == ItemKind::first_inside || item.kind == ItemKind::second_inside) {
+            const CheckedShell& inner = shell(item.kind == ItemKind::first_inside ? item.first : item.second);
+            if (!inner.covers_twice()) continue;
+        }
+        items.push_back(std::move(item));
+    }
+    std::stable_sort(items.begin(), items.end(),
+                     [](const CheckItem& x, const CheckItem& y) { return x.first.body < y.first.body; });
+    for (CheckItem& item : pairs)
+        if (item.first.body != item.second.body) items.push_back(std::move(item));
+    report_.items = std::move(items);
+}
+
+}  // namespace
+
+std::int64_t CheckReport::count_findings() const {
+    return std::count_if(items.begin(), items.end(), [](const CheckItem& item) { return item.is_finding; });
+}
+
+CheckReport check_bodies(SearchSession& search, const BodyScene& scene, const CheckOptions& options) {
+    return BodyCheck(search, scene, options).run();
+}
+
+}  // namespace crumple::cli

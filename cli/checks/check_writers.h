@@ -1,0 +1,22 @@
+#pragma once
+
+// Writers of the result of `crumple check`.
+
+#include <ostream>
+
+#include "cli/checks/check_report.h"
+
+namespace crumple::cli {
+
+/// Writes a line for each body, then its items, then pairs of bodies, and the number of findings. Of the items about
+/// one shell that have the same kind, the first ten are listed, and the others counted.
+void write_check_text(std::ostream& out, const CheckReport& report);
+
+/// Writes an object with `files`, `unit`, `bodies` (the properties of `info --json`, and loops and shells), `items` and
+/// `findings`, the number of findings.
+void write_check_json(std::ostream& out, const CheckReport& report);
+
+/// Writes a row for each item. Empty cells: numbers that do not apply.
+void write_check_csv(std::ostream& out, const CheckReport& report);
+
+}  // namespace crumple::cli
