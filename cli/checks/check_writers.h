@@ -19,4 +19,8 @@ void write_check_json(std::ostream& out, const CheckReport& report);
 /// Writes a row for each item. Empty cells: numbers that do not apply.
 void write_check_csv(std::ostream& out, const CheckReport& report);
 
+/// Writes an HTML page that shows the bodies and lists the items; about 25 bytes per triangle, and 45 per pair of
+/// triangles that intersect.
+void write_check_page(std::ostream& out, const CheckReport& report);
+
 }  // namespace crumple::cli

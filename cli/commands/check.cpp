@@ -23,6 +23,7 @@ CheckWriter writer_of(const std::string& extension) {
     if (extension == ".txt") return write_check_text;
     if (extension == ".json") return write_check_json;
     if (extension == ".csv") return write_check_csv;
+    if (extension == ".html") return write_check_page;
     return nullptr;
 }
 
@@ -40,7 +41,7 @@ struct CheckCommand {
         for (const std::string& path : outputs.paths)
             if (!writer_of(extension_of(path, outputs.format)))
                 refuse("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + outputs.format : "") +
-                       ": a check is written as .txt, .csv or .json");
+                       ": a check is written as .txt, .csv, .json or .html");
         if (json && std::any_of(outputs.paths.begin(), outputs.paths.end(), is_standard))
             refuse("--json does not go with -o -: both write to standard output");
     }
@@ -111,12 +112,13 @@ Command add_check(CLI::App& app) {
         ->required()
         ->expected(1, std::numeric_limits<int>::max());
     command
-        .add_option("-o,--output", check->outputs.paths,
-                    "All items as .csv or .json, or the text as .txt. May be repeated. - is standard output, see "
-                    "--format. Without it, the text is printed")
+        .add_option(
+            "-o,--output", check->outputs.paths,
+            "All items as .csv or .json, the text as .txt, or a page as .html that shows the bodies and moves to "
+            "each place. May be repeated. - is standard output, see --format. Without it, the text is printed")
         ->type_name("OUT")
         ->allow_extra_args(false);
-    add_format_option(command, check->outputs.format, "txt|csv|json");
+    add_format_option(command, check->outputs.format, "txt|csv|json|html");
     command.add_flag("--json", check->json, "Print JSON instead of the text");
     add_length_option(command, "--ignore-below", check->ignore_below,
                       "Overlaps of two bodies, or of two shells, that are nowhere deeper than this are no findings: "
@@ -135,7 +137,7 @@ Command add_check(CLI::App& app) {
         "that only touch are listed, and are findings with --clearance. Bodies that are not closed have no volumes.\n"
         "Files whose faces share no vertices need --weld; STL files and glTF scenes are welded.\n\n"
         "Example: crumple check part.stl --unit mm\n"
-        "         crumple check plate.3mf --ignore-below 0.01mm --json\n"
+        "         crumple check plate.3mf --ignore-below 0.01mm -o report.html\n"
         "         crumple check lid.stl pot.stl --clearance 0.1 -o clashes.csv");
     return {&command, [check] { return check->run(); }};
 }

@@ -259,6 +259,66 @@ TEST_F(Check, csv_and_json_files_hold_all_items) {
     EXPECT_EQ(check("low.off high.off rod.off --unit in -o - --format csv").out, csv);
 }
 
+/// Returns the data of a page.
+Json data_of(const std::string& page) {
+    const std::string begin = "const data = ";
+    const std::size_t at = page.find(begin) + begin.size();
+    return Json::parse(page.substr(at, page.find(";\n", at) - at));
+}
+/// Returns the number of bytes of an array that is encoded in base64.
+std::size_t bytes_of(const Json& data, const char* name) {
+    const std::string text = data[name];
+    return text.size() / 4 * 3 - static_cast<std::size_t>(std::count(text.begin(), text.end(), '='));
+}
+
+TEST_F(Check, page_lists_places_and_colours_triangles_near_them) {
+    write("a<b>.off", box_off({0.25, 0.25, -1}, {0.5, 0.5, 3}));
+    write("apart.off", box_off({5, 5, 5}, {6, 6, 6}));
+    const Outcome outcome = check("low.off 'a<b>.off' apart.off --unit mm -o report.html");
+    ASSERT_EQ(outcome.status, 1) << outcome.err;
+    const std::string page = read("report.html");
+    EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
+    EXPECT_FALSE(contains(page, "a<b>")) << "a name must not end the script";
+    EXPECT_FALSE(contains(page, "http"));
+    const Json data = data_of(page), report = data["report"];
+    EXPECT_EQ(report["title"], "low.off, a<b>.off, apart.off");
+    EXPECT_EQ(report["summary"], "1 finding");
+    EXPECT_EQ(data["unit"], "mm");
+    EXPECT_EQ(bytes_of(data, "vertices"), 3 * 8 * 3 * sizeof(float));
+    EXPECT_EQ(bytes_of(data, "triangles"), 3 * 12 * 3 * 4u);
+    ASSERT_EQ(report["bodies"].size(), 3u);
+    EXPECT_EQ(report["bodies"][1]["corners"], (std::vector<int>{36, 36}));
+    EXPECT_EQ(report["bodies"][1]["finding"], true);
+    EXPECT_EQ(report["bodies"][2]["finding"], false);
+    ASSERT_EQ(report["items"].size(), 1u);
+    EXPECT_EQ(report["items"][0]["bodies"], (std::vector<int>{0, 1}));
+    EXPECT_EQ(report["items"][0]["box"].size(), 2u);
+    ASSERT_EQ(report["drawings"].size(), 1u);
+    EXPECT_EQ(report["drawings"][0]["bodies"], (std::vector<int>{0, 1}));
+    const std::size_t contacts = report["drawings"][0]["contacts"][1];
+    EXPECT_GE(contacts, 8u);
+    EXPECT_EQ(bytes_of(data, "contact_triangles"), 8 * contacts);
+    EXPECT_EQ(bytes_of(data, "contact_segments"), 24 * contacts);
+    EXPECT_EQ(check("far.off -o none.html").status, 0);
+    EXPECT_EQ(data_of(read("none.html"))["report"]["items"].size(), 0u);
+}
+
+TEST_F(Check, page_shows_holes_common_faces_and_every_place_of_a_pair) {
+    write("legs.off", shells_off({{{0, 0, 0}, {1, 1, 1}}, {{3, 0, 0}, {4, 1, 1}}}));
+    write("bar.off", box_off({-1, 0.25, 0.75}, {5, 0.5, 2}));
+    ASSERT_EQ(check("legs.off bar.off open.off low.off on.off -o a.html --clearance 0.1").status, 1);
+    const Json data = data_of(read("a.html")), items = data["report"]["items"];
+    const auto has = [&](const std::string& text) {
+        return std::any_of(items.begin(), items.end(), [&](const Json& item) { return contains(item["text"], text); });
+    };
+    EXPECT_TRUE(has("open has a hole around "));
+    EXPECT_TRUE(has("legs and bar overlap: volume 0.125") || has("bar passes through legs: volume 0.125"));
+    EXPECT_TRUE(has("place 0 around (0.5 0.375 0.875): volume 0.0625"));
+    EXPECT_TRUE(has("place 1 around (3.5 0.375 0.875): volume 0.0625"));
+    EXPECT_TRUE(has("low and on touch"));
+    EXPECT_GT(bytes_of(data, "drawn_areas"), 0u) << "the common face of low and on";
+}
+
 TEST_F(Check, many_places_are_counted_in_text_and_listed_in_files) {
     std::string faces, points;
     for (int i = 0; i < 12; ++i) {
@@ -281,7 +341,7 @@ TEST_F(Check, wrong_use_is_refused) {
     for (const char* const length : {"x", "-1", "0.1parsec", "nan", "mm", "1e999"})
         expect_refused("low.off --clearance=" + std::string(length), "is not a length, such as 0.1mm");
     expect_refused("low.off --ignore-below 1furlong", "--ignore-below: 1furlong is not a length");
-    expect_refused("low.off -o a.png", "-o a.png: a check is written as .txt, .csv");
+    expect_refused("low.off -o a.png", "-o a.png: a check is written as .txt, .csv, .json or .html");
     expect_refused("low.off --json -o - --format csv", "--json does not go with -o -");
     expect_refused("low.off -o low.off", "-o low.off: a check is written as");
     expect_refused("", "FILE");

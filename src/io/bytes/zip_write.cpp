@@ -10,7 +10,7 @@ namespace crumple::io {
 namespace {
 
 /// Largest number of bytes passed to minizip in one call: minizip counts bytes in 32 bits.
-constexpr std::size_t max_bytes_per_call = std::size_t{1} << 30;
+constexpr std::size_t max_bytes_per_write = std::size_t{1} << 30;
 
 }  // namespace
 
@@ -69,7 +69,7 @@ void ZipWriter::begin(const std::string& name, Method method, std::uint64_t size
 
 void ZipWriter::add(std::string_view bytes) {
     while (!bytes.empty()) {
-        const std::string_view some = bytes.substr(0, max_bytes_per_call);
+        const std::string_view some = bytes.substr(0, max_bytes_per_write);
         check(zipWriteInFileInZip(archive_, some.data(), static_cast<unsigned>(some.size())));
         bytes.remove_prefix(some.size());
     }
