@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <set>
 
 #include "cli/checks/crossing_places.h"
 #include "cli/checks/pair_items.h"
@@ -46,8 +46,9 @@ class BodyCheck {
         find_crossings();
         measure_bodies();
         measure_shells();
-        add_places();
         mark_cavities();
+        measure_overlaps_with_themselves();
+        add_places();
         add_duplicates();
         measure_distances();
         collect_items();
@@ -60,8 +61,9 @@ class BodyCheck {
     void find_crossings();
     void measure_bodies();
     void measure_shells();
-    void add_places();
     void mark_cavities();
+    void measure_overlaps_with_themselves();
+    void add_places();
     void add_duplicates();
     void measure_distances();
     void collect_items();
@@ -74,7 +76,6 @@ class BodyCheck {
     }
     PartWorld world_of_bodies() const;
     OverlapQuery overlap_query() const;
-    bool meets_itself(std::int32_t body) const;
 
     CheckedBody& body(std::int32_t b) { return report_.bodies[static_cast<std::size_t>(b)]; }
     CheckedShell& shell(std::int32_t s) { return report_.shells[static_cast<std::size_t>(s)]; }
@@ -117,13 +118,15 @@ void BodyCheck::list_shells() {
             CheckedShell& added = report_.shells.emplace_back(CheckedShell{{b, s}, &checked.mesh});
             if (checked.shells == 1) {
                 added.volume = checked.report.volume;
-                added.overlap_with_itself = checked.overlap_with_itself;
-                continue;
+            } else {
+                ShellMesh& part =
+                    report_.shell_meshes[first_mesh[static_cast<std::size_t>(b)] + static_cast<std::size_t>(s)];
+                added.mesh = &part.mesh;
+                added.triangles = std::move(part.triangles);
+                const EdgeReport edges = report_edges(part.mesh);
+                if (edges.closed && !edges.flipped) added.volume = signed_volume(part.mesh);
             }
-            ShellMesh& part =
-                report_.shell_meshes[first_mesh[static_cast<std::size_t>(b)] + static_cast<std::size_t>(s)];
-            added.mesh = &part.mesh;
-            added.triangles = std::move(part.triangles);
+            if (added.volume) added.overlap_with_itself = 0;
         }
     }
 }
@@ -164,34 +167,19 @@ OverlapQuery BodyCheck::overlap_query() const {
         const double length = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
         if (length > 0) diagonal = std::min(diagonal, length);
     }
-    OverlapQuery query{.open = OpenSurfaces::skip, .self_overlaps = true, .regions = true};
+    OverlapQuery query{.open = OpenSurfaces::skip, .regions = true};
     query.depth_tolerance = std::isfinite(diagonal) ? diagonal / 1024 : 1;
     if (options_.ignore_below > 0) query.depth_tolerance = std::min(query.depth_tolerance, options_.ignore_below / 4);
     return query;
 }
 
-bool BodyCheck::meets_itself(std::int32_t b) const {
-    return std::any_of(places_.begin(), places_.end(), [&](const CrossingPlace& place) {
-        const auto body_of = [&](std::int32_t s) { return report_.shells[static_cast<std::size_t>(s)].part.body; };
-        return body_of(place.shells.first) == b && body_of(place.shells.second) == b;
-    });
-}
-
-/// Measures how much bodies overlap each other, and bodies of one shell themselves.
+/// Measures how much bodies overlap each other.
 void BodyCheck::measure_bodies() {
-    if (report_.bodies.size() == 1 && (body(0).shells != 1 || !meets_itself(0))) return;
+    if (report_.bodies.size() < 2) return;
     const PartWorld world = world_of_bodies();
     OverlapQuery query = overlap_query();
     query.filter.excluded_bodies = scene_.excluded(1);
-    const Overlaps& found = find(world, query);
-    pairs_.add(found, world.parts);
-    for (std::size_t i = 0; i < found.bodies.size(); ++i) {
-        const auto [first, second] = found.bodies[i];
-        if (first != second) continue;
-        CheckedBody& checked = body(first);
-        checked.overlap_with_itself = covered_twice(found.volume[i], *checked.report.volume);
-        if (checked.shells == 1) shell(checked.first_shell).overlap_with_itself = checked.overlap_with_itself;
-    }
+    pairs_.add(find(world, query), world.parts);
 }
 
 /// Measures the shells of bodies that have several, and how much these overlap.
@@ -210,18 +198,49 @@ void BodyCheck::measure_shells() {
     if (shell_of.empty()) return;
     const Overlaps& found = find(world, overlap_query());
     pairs_.add(found, world.parts);
-    for (std::size_t i = 0; i < shell_of.size(); ++i)
-        if (!std::isnan(found.body_volume[i])) {
-            shell(shell_of[i]).volume = found.body_volume[i];
-            shell(shell_of[i]).overlap_with_itself = 0;
-        }
     for (std::size_t i = 0; i < found.bodies.size(); ++i) {
         const auto [first, second] = found.bodies[i];
         const auto number = [&](std::int32_t j) { return world.parts[static_cast<std::size_t>(j)].shell; };
         const auto of = [&](std::int32_t j) -> CheckedShell& { return shell(shell_of[static_cast<std::size_t>(j)]); };
-        if (first == second) of(first).overlap_with_itself = covered_twice(found.volume[i], *of(first).volume);
         if (found.relation[i] == OverlapRelation::first_inside) of(first).inside.push_back(number(second));
         if (found.relation[i] == OverlapRelation::second_inside) of(second).inside.push_back(number(first));
+    }
+}
+
+/// Measures the volume that bodies and shells cover twice. Surfaces that do not meet themselves, of bodies whose shells
+/// do not lie inside each other, are left out: they cover nothing twice.
+void BodyCheck::measure_overlaps_with_themselves() {
+    std::set<BodyPart> parts;
+    for (const CrossingPlace& place : places_) {
+        const BodyPart first = shell(place.shells.first).part, second = shell(place.shells.second).part;
+        if (first.body != second.body) continue;
+        parts.insert({first.body});
+        if (first == second) parts.insert(first);
+    }
+    for (const CheckedShell& checked : report_.shells)
+        if (checked.covers_twice()) parts.insert({checked.part.body});
+    PartWorld world;
+    world.origins.files = scene_.origins().files;
+    for (const BodyPart& part : parts) {
+        const bool is_whole = part.shell < 0;
+        const auto& volume = is_whole ? body(part.body).report.volume : shell(part).volume;
+        if (!volume || (!is_whole && body(part.body).shells == 1)) continue;
+        world.add(is_whole ? body(part.body).mesh : *shell(part).mesh, part,
+                  {.world = static_cast<std::int32_t>(world.parts.size())});  // no pairs
+        world.origins.names.push_back(report_.names[static_cast<std::size_t>(part.body)]);
+        world.origins.file_of_body.push_back(file_of(part.body));
+    }
+    if (world.parts.empty()) return;
+    const Overlaps& found = find(world, OverlapQuery{.self_overlaps = true});
+    for (std::size_t i = 0; i < found.bodies.size(); ++i) {
+        const BodyPart part = world.parts[static_cast<std::size_t>(found.bodies[i].first)];
+        const double volume = covered_twice(found.volume[i], found.body_volume[found.bodies[i].first]);
+        if (part.shell >= 0) {
+            shell(part).overlap_with_itself = volume;
+            continue;
+        }
+        body(part.body).overlap_with_itself = volume;
+        if (body(part.body).shells == 1) shell(body(part.body).first_shell).overlap_with_itself = volume;
     }
 }
 

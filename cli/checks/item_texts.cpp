@@ -66,7 +66,10 @@ std::string numbers_of(const CheckReport& report, const CheckItem& item) {
     const auto add = [&](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
     const bool overlaps = !std::isnan(item.volume) && item.kind != ItemKind::touching;
     if (overlaps) add("volume " + text_of_volume(report, item.volume));
-    if (overlaps && !std::isnan(item.mean_depth)) add("mean depth " + text_of_length(report, item.mean_depth));
+    // The contributions of several places to the mean depth cancel each other, and so do those of two sides.
+    const bool has_one_side = item.places.size() == 1 && item.kind != ItemKind::piercing;
+    if (overlaps && has_one_side && !std::isnan(item.mean_depth))
+        add("mean depth " + text_of_length(report, item.mean_depth));
     const bool is_same = item.kind == ItemKind::equal || item.kind == ItemKind::duplicate;
     if (overlaps && !is_same && !std::isnan(item.depth_bound))
         add("greatest depth at most " + text_of_length(report, item.depth_bound));
@@ -141,6 +144,7 @@ std::string text_of(const CheckReport& report, const CheckedBody& body) {
                        : surface.edges.flipped   ? "closed, not consistently oriented"
                        : surface.is_inside_out() ? "closed, inside out"
                                                  : "closed";
+    if (!body.loops.empty()) text += ", " + counted(std::ssize(body.loops), "hole");
     if (surface.volume) text += ", volume " + text_of_volume(report, *surface.volume);
     text += ", " + counted(surface.triangles, "triangle");
     if (body.shells < 2) return text;

@@ -78,7 +78,7 @@ TEST_F(Check, sound_body_has_no_findings) {
 TEST_F(Check, holes_are_listed_with_centre_and_length) {
     write("box.off", box_off({0, 0, 0}, {2, 2, 2}, 11));
     expect("box.off", 1,
-           "box: not closed, 11 triangles\n"
+           "box: not closed, 1 hole, 11 triangles\n"
            "  box has a hole around (0.707107 1.29289 2): 3 edges, length 6.82843\n"
            "1 finding\n");
     const Json found = json("box.off");
@@ -126,7 +126,8 @@ TEST_F(Check, shells_that_overlap_are_findings_though_another_shell_is_open) {
     write("part.off", shells_off({first, second, open}));
     const Outcome outcome = check("part.off");
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_TRUE(contains(outcome.out, "part: not closed, 34 triangles, 3 shells\n  part has a hole ")) << outcome.out;
+    EXPECT_TRUE(contains(outcome.out, "part: not closed, 1 hole, 34 triangles, 3 shells\n  part has a hole "))
+        << outcome.out;
     EXPECT_TRUE(contains(outcome.out,
                          "  shells 0 and 1 of part overlap: volume 1, mean depth 0.57735, "
                          "greatest depth at most 1, around (1.5 1.5 1.5)\n2 findings\n"))
@@ -224,7 +225,7 @@ TEST_F(Check, pairs_nearer_than_the_clearance_are_findings) {
 TEST_F(Check, open_bodies_are_reported_and_do_not_stop_the_check) {
     expect("low.off open.off on.off", 1,
            "low: closed, volume 1, 12 triangles\n"
-           "open: not closed, 10 triangles\n"
+           "open: not closed, 1 hole, 10 triangles\n"
            "  open has a hole around (0.5 0.5 1.75): 4 edges, length 4\n"
            "on: closed, volume 1, 12 triangles\n"
            "the surfaces of low and open meet, and one is not closed: around (0.5 0.5 0.875)\n"
