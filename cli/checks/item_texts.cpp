@@ -56,7 +56,7 @@ std::string relation_of(const CheckReport& report, const CheckItem& item) {
             if (item.pieces[1] < 2) return second + " passes through " + first;
             return both + " pass through each other";
         default:
-            return "the surfaces of " + both + " meet, and one is not closed";
+            return "the surfaces of " + both + " meet, and at least one is not closed";
     }
 }
 

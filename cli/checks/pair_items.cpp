@@ -60,6 +60,7 @@ void PairItems::add(const Overlaps& found, const std::vector<BodyPart>& parts) {
             row.kind = ItemKind::piercing;
         if (row.kind == ItemKind::overlapping || row.kind == ItemKind::piercing)
             row.is_ignored = row.depth_bound <= options_.ignore_below;
+        if (row.kind == ItemKind::touching) row.is_ignored = options_.ignore_below > 0;
         // Bodies of an assembly may touch. Shells of one body that touch are one surface that touches itself.
         row.is_finding = !row.is_ignored && !(row.kind == ItemKind::touching && row.first.shell < 0);
     }

@@ -120,11 +120,14 @@ Command add_check(CLI::App& app) {
         ->allow_extra_args(false);
     add_format_option(command, check->outputs.format, "txt|csv|json|html");
     command.add_flag("--json", check->json, "Print JSON instead of the text");
-    add_length_option(command, "--ignore-below", check->ignore_below,
-                      "Overlaps of two bodies, or of two shells, that are nowhere deeper than this are no findings: "
-                      "0.01mm, or 0.01 in the unit of the files. Use it for faces that are meant to be flush");
-    add_length_option(command, "--clearance", check->clearance,
-                      "Pairs of bodies that are nearer to each other than this, or touch, are findings");
+    add_length_option(
+        command, "--ignore-below", check->ignore_below,
+        "Two bodies, or two shells, that touch or overlap, but nowhere deeper than this, are no findings: "
+        "0.01mm, or 0.01 in the unit of the files. Use it for faces that are meant to be flush");
+    add_length_option(
+        command, "--clearance", check->clearance,
+        "Pairs of bodies that are nearer to each other than this are findings, also if they touch, unless "
+        "--ignore-below is given");
     add_excluded_options(command, check->bodies, {"", "this pair of bodies is not checked; A,A: A with itself", ""});
     add_progress_option(command, check->progress);
     add_reading_options(command, check->query_options);

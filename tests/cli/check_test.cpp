@@ -215,6 +215,8 @@ TEST_F(Check, pairs_nearer_than_the_clearance_are_findings) {
     expect_finding("low.off far.off --unit cm --clearance '1 mm'", ": clearance 0.0625 cm, ");
     EXPECT_EQ(check("low.off far.off --unit cm --clearance 0.6mm").status, 0);
     expect_finding("low.off on.off --clearance 0.1", "\nlow and on touch: common area 1, clearance 0, ");
+    EXPECT_EQ(check("low.off on.off --clearance 0.1 --ignore-below 0.01").status, 0) << "flush";
+    expect_finding("low.off far.off --clearance 0.1 --ignore-below 0.01", ": clearance 0.0625, ");
     expect_finding("low.off small.off --clearance 0.5", "\nsmall lies inside low: volume 0.015625, ");
     const Json near = json("low.off far.off --clearance 1")["items"][0];
     EXPECT_EQ(near["clearance"], 0.0625);
@@ -228,9 +230,9 @@ TEST_F(Check, open_bodies_are_reported_and_do_not_stop_the_check) {
            "open: not closed, 1 hole, 10 triangles\n"
            "  open has a hole around (0.5 0.5 1.75): 4 edges, length 4\n"
            "on: closed, volume 1, 12 triangles\n"
-           "the surfaces of low and open meet, and one is not closed: around (0.5 0.5 0.875)\n"
+           "the surfaces of low and open meet, and at least one is not closed: around (0.5 0.5 0.875)\n"
            "low and on touch: common area 1, around (0.5 0.5 1)\n"
-           "the surfaces of open and on meet, and one is not closed: around (0.5 0.5 1.375)\n"
+           "the surfaces of open and on meet, and at least one is not closed: around (0.5 0.5 1.375)\n"
            "3 findings\n");
 }
 
