@@ -35,14 +35,17 @@ concept PartQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>
 /// Queries that Detector::any takes.
 template <class Query>
 concept FlagQuery = PartQuery<Query> || OneOf<Query, OverlapQuery>;
-/// Queries whose rows can be delivered in blocks (Detector::stream) or left on a device (Detector::launch).
+/// Queries whose results can be left on a device (Detector::launch).
 template <class Query>
-concept BlockQuery = PartQuery<Query> || OneOf<Query, CandidateQuery>;
+concept LaunchQuery = PartQuery<Query> || OneOf<Query, CandidateQuery>;
+/// Queries whose rows can be delivered in blocks (Detector::stream).
+template <class Query>
+concept BlockQuery = LaunchQuery<Query> || OneOf<Query, OverlapQuery>;
 /// Queries that Detector::find takes: all.
 template <class Query>
-concept AnyQuery = BlockQuery<Query> || OneOf<Query, DistanceQuery, OverlapQuery, FirstImpactQuery, FreeStepQuery>;
+concept AnyQuery = BlockQuery<Query> || OneOf<Query, DistanceQuery, FirstImpactQuery, FreeStepQuery>;
 
-template <BlockQuery Query>
+template <LaunchQuery Query>
 class LaunchTicket;
 
 /// Searches scenes, exactly and completely. The type of the query selects what is searched for and the type of the
@@ -109,7 +112,7 @@ class CRUMPLE_API Detector {
 
     /// Calls `take(block)` with one block of the result after another, for results that exceed memory, and returns the
     /// statistics of the call. A block is valid until `take` returns. Only the cpu and the reference backend support
-    /// this call. The scene must be in host memory and must not be a part.
+    /// this call; for an OverlapQuery all backends do. The scene must be in host memory and must not be a part.
     ///
     /// A block has `block_rows` (1 to 2^40) rows, counted over all its lists; the last block may have fewer. Rows have
     /// their bodies, and their contacts if these are requested. For one or two meshes and an IntersectionQuery, `count`
@@ -120,12 +123,17 @@ class CRUMPLE_API Detector {
     /// triangle. This order does not depend on threads; like the leaves, it depends on the memory limit and on earlier
     /// calls.
     ///
+    /// For an OverlapQuery a row is a pair of bodies, and rows come in the order of the whole result. A block has the
+    /// lists of its rows (curves, regions, ...), whose offsets begin at 0, and `skipped`, `body_volume` and `is_solid`
+    /// of the whole result; if there is no row but one of these lists, a block without rows is delivered. Such a call
+    /// searches a large world piece by piece, and computes overlaps of bodies with themselves twice if they have a row.
+    ///
     /// Memory: that of find() without its lists, plus about three blocks. Under a memory limit the search runs on one
     /// thread. Cost: that of find(); for queries about features of several worlds, each world's scene is prepared
     /// twice. Any thread of the detector may call `take`, one at a time. `take` must not call this detector; an
     /// exception that it throws ends the call, and so does a stop; some blocks may have been delivered by then. Throws
     /// Error (invalid_argument) for options that blocks do not support: `triangle_pairs`, `least`, `index` of queries
-    /// about features, and less output than pairs.
+    /// about features, and less output than pairs (of overlaps: than body_pairs).
     template <BlockQuery Query = IntersectionQuery>
     Statistics stream(const Scene& scene, const Query& query,
                       FunctionRef<void(const typename Query::Result& block)> take,
@@ -201,7 +209,7 @@ class CRUMPLE_API Detector {
     /// all worlds count in each. Throws Error (invalid_argument) if there are more (find() has no such limit), for
     /// Output::body_pairs, and for `index`. Cost: that of a mesh with the triangles of all worlds, whatever the output;
     /// the host compares bodies in some nanoseconds each.
-    template <BlockQuery Query = IntersectionQuery>
+    template <LaunchQuery Query = IntersectionQuery>
     LaunchTicket<Query> launch(const Scene& scene, const Query& query = {});
 
     /// Returns the options that the detector was made with.
@@ -215,7 +223,7 @@ class CRUMPLE_API Detector {
     std::string_view fallback() const;
 
    private:
-    template <BlockQuery Query>
+    template <LaunchQuery Query>
     friend class LaunchTicket;
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
@@ -223,7 +231,7 @@ class CRUMPLE_API Detector {
 
 /// Ticket of a launch (Detector::launch): a value that is cheap to copy. Its functions are calls of the detector, which
 /// must be alive; the detector may have been moved in the meantime.
-template <BlockQuery Query>
+template <LaunchQuery Query>
 class CRUMPLE_API LaunchTicket {
    public:
     /// Waits for the launch and returns its complete result, in device memory. Throws Error on bad input, with a

@@ -186,6 +186,12 @@ struct Detector::Implementation : MeshCalls {
         const auto of_mesh = [&](const MeshView& mesh) {
             if constexpr (intersections)
                 return stream(mesh, nullptr, query, take, block_rows, std::move(stop));
+            else if constexpr (std::same_as<Query, OverlapQuery>)
+                return as_world(mesh, nullptr, [&](const World& world) {
+                    OverlapQuery with_itself = query;
+                    with_itself.self_overlaps = true;
+                    return stream(world, with_itself, take, block_rows, std::move(stop));
+                });
             else
                 return stream(mesh, query, take, block_rows, std::move(stop));
         };
@@ -274,15 +280,15 @@ template <PartQuery Query>
 std::vector<Part> Detector::partition(const Scene& scene, const Query& query, int count, std::stop_token stop) {
     return implementation_->partition(scene, query, count, std::move(stop));
 }
-template <BlockQuery Query>
+template <LaunchQuery Query>
 LaunchTicket<Query> Detector::launch(const Scene& scene, const Query& query) {
     return {*implementation_, implementation_->launch(scene, query)};
 }
-template <BlockQuery Query>
+template <LaunchQuery Query>
 const typename Query::DeviceResult& LaunchTicket<Query>::wait(std::stop_token stop) const {
     return detector_->wait(static_cast<const Query*>(nullptr), number_, std::move(stop));
 }
-template <BlockQuery Query>
+template <LaunchQuery Query>
 const Intersections& LaunchTicket<Query>::download() const requires std::same_as<Query, IntersectionQuery> {
     return detector_->download(number_);
 }
@@ -312,6 +318,7 @@ CRUMPLE_FOR_EACH_LISTED(CRUMPLE_ANY)
 CRUMPLE_ANY(OverlapQuery)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_STREAM)
 CRUMPLE_STREAM(CandidateQuery)
+CRUMPLE_STREAM(OverlapQuery)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_PARTITION)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_LAUNCH)
 CRUMPLE_LAUNCH(CandidateQuery)

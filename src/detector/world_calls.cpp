@@ -96,29 +96,55 @@ const Distances& WorldCalls::find(const World& world, const DistanceQuery& query
 }
 
 const Overlaps& WorldCalls::find(const World& world, const OverlapQuery& query, std::stop_token stop) {
-    run_with_retry(overlaps, std::move(stop), [&](bool) {
-        check_query_options(query, world);
-        check_bodies_have_triangles(world, query.filter, false, "only triangles enclose a volume");
-        const PosedOnHost there(*backend, world);
-        if (working != Backend::reference) {
-            overlap_search.find(*backend, host_backend(), worlds, there.world(), query, overlaps);
-        } else {
-            find_overlaps_by_brute_force(there.world(), query, meter, cancellation, overlaps);
-            if (query.depth_tolerance > 0) {  // many bounds are valid, and all backends find the same ones
-                Overlaps bounds = metered_overlaps(&meter);
-                OverlapQuery only_bounds{
-                    .output = query.output, .min_volume = query.min_volume, .open = query.open, .weld = query.weld};
-                only_bounds.self_overlaps = query.self_overlaps;
-                only_bounds.depth_tolerance = query.depth_tolerance;
-                only_bounds.filter = query.filter;
-                overlap_search.find(*backend, *backend, worlds, there.world(), only_bounds, bounds);
-                overlaps.depth_reached.swap_elements(bounds.depth_reached);
-                overlaps.depth_bound.swap_elements(bounds.depth_bound);
-            }
-        }
-    });
+    run_with_retry(overlaps, std::move(stop), [&](bool) { search(world, query, nullptr); });
     overlaps.statistics.pairs = overlaps.count;
     return overlaps;
+}
+
+void WorldCalls::search(const World& world, const OverlapQuery& query, const OverlapBlocks* blocks) {
+    check_query_options(query, world);
+    check_bodies_have_triangles(world, query.filter, false, "only triangles enclose a volume");
+    const PosedOnHost there(*backend, world);
+    if (working != Backend::reference)
+        return overlap_search.find(*backend, host_backend(), worlds, there.world(), query, overlaps, blocks);
+    find_reference_overlaps(there.world(), query);
+    if (!blocks) return;
+    Overlaps block = metered_overlaps(&meter);
+    deliver_in_blocks(overlaps, *blocks, block, cancellation);
+}
+
+void WorldCalls::find_reference_overlaps(const World& world, const OverlapQuery& query) {
+    find_overlaps_by_brute_force(world, query, meter, cancellation, overlaps);
+    if (query.depth_tolerance == 0) return;
+    // Many bounds are valid, and all backends find the same ones.
+    Overlaps bounds = metered_overlaps(&meter);
+    OverlapQuery only_bounds{
+        .output = query.output, .min_volume = query.min_volume, .open = query.open, .weld = query.weld};
+    only_bounds.self_overlaps = query.self_overlaps;
+    only_bounds.depth_tolerance = query.depth_tolerance;
+    only_bounds.filter = query.filter;
+    overlap_search.find(*backend, *backend, worlds, world, only_bounds, bounds);
+    overlaps.depth_reached.swap_elements(bounds.depth_reached);
+    overlaps.depth_bound.swap_elements(bounds.depth_bound);
+}
+
+Statistics WorldCalls::stream(const World& world, const OverlapQuery& query, Sink<OverlapQuery> take,
+                              std::int64_t block_rows, std::stop_token stop) {
+    Stopwatch watch;
+    if (meter.limit > 0) free_caches();
+    const OverlapBlocks blocks{block_rows, take};
+    const auto stream = [&] {
+        check_blocks(block_rows);
+        check_in_blocks(query);
+        search(world, query, &blocks);
+    };
+    run(std::move(stop), stream, [](std::int64_t) { return false; });
+    Statistics statistics = overlaps.statistics;
+    statistics.pairs = overlaps.count;
+    clear(overlaps);
+    statistics.peak_memory_bytes = meter.peak;
+    statistics.milliseconds = watch.lap();
+    return statistics;
 }
 
 template <class Query>

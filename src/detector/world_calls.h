@@ -32,6 +32,8 @@ struct WorldCalls : DetectorState {
                       std::int64_t block_rows, std::stop_token stop);
     const Distances& find(const World& world, const DistanceQuery& query, std::stop_token stop);
     const Overlaps& find(const World& world, const OverlapQuery& query, std::stop_token stop);
+    Statistics stream(const World& world, const OverlapQuery& query, Sink<OverlapQuery> take, std::int64_t block_rows,
+                      std::stop_token stop);
     template <FeatureQuery Query>
     const typename Query::Result& find(const World& world, const Query& query, std::stop_token stop) {
         return find_features(world, query, true, std::move(stop));
@@ -67,6 +69,8 @@ struct WorldCalls : DetectorState {
 
    private:
     void search(const World& world, const IntersectionQuery& query, const WorldBlocks* blocks);
+    void search(const World& world, const OverlapQuery& query, const OverlapBlocks* blocks);
+    void find_reference_overlaps(const World& world, const OverlapQuery& query);
     bool try_on_device(const World& world, const IntersectionQuery& query);
     /// `bodies`: true if the result names bodies; false for a single mesh.
     template <class Query>

@@ -91,6 +91,11 @@ void check_in_blocks(const ProximityQuery& q) {
     check(!q.least, "least must be false: blocks have no least distances");
 }
 
+void check_in_blocks(const OverlapQuery& q) {
+    check(q.output == Output::body_pairs || q.output == Output::pairs,
+          "output must be body_pairs or pairs: blocks list them");
+}
+
 void check_query_options(const IntersectionQuery& q) {
     check(q.output <= Output::contacts && q.output != Output::first && q.output != Output::nearest,
           "output must be any, any_by_world, body_pairs, count, pairs or contacts");

@@ -41,6 +41,7 @@ void check_blocks(std::int64_t block_rows);
 void check_in_blocks(const ImpactQuery& query);
 void check_in_blocks(const ProximityQuery& query);
 void check_in_blocks(const IntersectionQuery& query);
+void check_in_blocks(const OverlapQuery& query);
 inline void check_in_blocks(const CandidateQuery&) {}
 
 }  // namespace crumple

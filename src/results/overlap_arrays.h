@@ -2,69 +2,102 @@
 
 // Table of the arrays of an overlap query's result.
 
+#include <cstdint>
+
 #include "crumple/overlaps.h"
 
 namespace crumple {
 
-/// Calls act(name, member pointer) for each array of Overlaps.
+/// Lists of an overlap query's result. An array has one or several elements for each element of its list. `offsets` are
+/// the arrays of for_each_overlap_list.
+enum class OverlapLevel : std::uint8_t {
+    worlds,
+    skipped,
+    bodies,
+    rows,
+    depths,
+    gradient,
+    windings,
+    regions,
+    curves,
+    points,
+    offsets,
+};
+inline constexpr std::size_t overlap_levels = 11;
+
+/// Calls act(list, parent, offsets) for each list whose elements belong to an element of a parent list, parents first:
+/// element i of the parent has the elements [offsets[i], offsets[i + 1]) of the list.
+template <class Act>
+void for_each_overlap_list(Act act) {
+    using Level = OverlapLevel;
+    act(Level::depths, Level::rows, &Overlaps::depth_offsets);
+    act(Level::gradient, Level::rows, &Overlaps::gradient_offsets);
+    act(Level::windings, Level::rows, &Overlaps::winding_offsets);
+    act(Level::regions, Level::rows, &Overlaps::region_offsets);
+    act(Level::curves, Level::rows, &Overlaps::curve_offsets);
+    act(Level::points, Level::curves, &Overlaps::curve_point_offsets);
+}
+
+/// Calls act(name, member pointer, list) for each array of Overlaps.
 template <class Act>
 void for_each_overlap_array(Act act) {
-    act("world_hit", &Overlaps::world_hit);
-    act("skipped", &Overlaps::skipped);
-    act("bodies", &Overlaps::bodies);
-    act("relation", &Overlaps::relation);
-    act("volume", &Overlaps::volume);
-    act("centroid", &Overlaps::centroid);
-    act("area_vector", &Overlaps::area_vector);
-    act("normal", &Overlaps::normal);
-    act("mean_depth", &Overlaps::mean_depth);
-    act("torque", &Overlaps::torque);
-    act("torque_point", &Overlaps::torque_point);
-    act("contact_area", &Overlaps::contact_area);
-    act("box", &Overlaps::box);
-    act("thickness", &Overlaps::thickness);
-    act("withdrawals", &Overlaps::withdrawals);
-    act("translation_low", &Overlaps::translation_low);
-    act("translation_high", &Overlaps::translation_high);
-    act("translation", &Overlaps::translation);
-    act("depth_offsets", &Overlaps::depth_offsets);
-    act("depth_vertices", &Overlaps::depth_vertices);
-    act("depths", &Overlaps::depths);
-    act("depth_points", &Overlaps::depth_points);
-    act("depth_triangles", &Overlaps::depth_triangles);
-    act("deepest", &Overlaps::deepest);
-    act("depth_reached", &Overlaps::depth_reached);
-    act("depth_bound", &Overlaps::depth_bound);
-    act("union_volume", &Overlaps::union_volume);
-    act("intersection_over_union", &Overlaps::intersection_over_union);
-    act("difference_volume", &Overlaps::difference_volume);
-    act("gradient_offsets", &Overlaps::gradient_offsets);
-    act("gradient_vertices", &Overlaps::gradient_vertices);
-    act("gradient", &Overlaps::gradient);
-    act("curve_offsets", &Overlaps::curve_offsets);
-    act("curve_closed", &Overlaps::curve_closed);
-    act("curve_area_vector", &Overlaps::curve_area_vector);
-    act("curve_torque", &Overlaps::curve_torque);
-    act("curve_point_offsets", &Overlaps::curve_point_offsets);
-    act("curve_points", &Overlaps::curve_points);
-    act("curve_triangles", &Overlaps::curve_triangles);
-    act("curve_regions", &Overlaps::curve_regions);
-    act("region_offsets", &Overlaps::region_offsets);
-    act("region_volume", &Overlaps::region_volume);
-    act("region_centroid", &Overlaps::region_centroid);
-    act("region_area_vector", &Overlaps::region_area_vector);
-    act("region_normal", &Overlaps::region_normal);
-    act("region_mean_depth", &Overlaps::region_mean_depth);
-    act("region_thickness", &Overlaps::region_thickness);
-    act("region_box", &Overlaps::region_box);
-    act("region_is_contact", &Overlaps::region_is_contact);
-    act("region_is_merged", &Overlaps::region_is_merged);
-    act("region_pieces", &Overlaps::region_pieces);
-    act("winding_offsets", &Overlaps::winding_offsets);
-    act("winding_vertices", &Overlaps::winding_vertices);
-    act("windings", &Overlaps::windings);
-    act("body_volume", &Overlaps::body_volume);
-    act("is_solid", &Overlaps::is_solid);
+    using Level = OverlapLevel;
+    act("world_hit", &Overlaps::world_hit, Level::worlds);
+    act("skipped", &Overlaps::skipped, Level::skipped);
+    act("bodies", &Overlaps::bodies, Level::rows);
+    act("relation", &Overlaps::relation, Level::rows);
+    act("volume", &Overlaps::volume, Level::rows);
+    act("centroid", &Overlaps::centroid, Level::rows);
+    act("area_vector", &Overlaps::area_vector, Level::rows);
+    act("normal", &Overlaps::normal, Level::rows);
+    act("mean_depth", &Overlaps::mean_depth, Level::rows);
+    act("torque", &Overlaps::torque, Level::rows);
+    act("torque_point", &Overlaps::torque_point, Level::rows);
+    act("contact_area", &Overlaps::contact_area, Level::rows);
+    act("box", &Overlaps::box, Level::rows);
+    act("thickness", &Overlaps::thickness, Level::rows);
+    act("withdrawals", &Overlaps::withdrawals, Level::rows);
+    act("translation_low", &Overlaps::translation_low, Level::rows);
+    act("translation_high", &Overlaps::translation_high, Level::rows);
+    act("translation", &Overlaps::translation, Level::rows);
+    act("depth_offsets", &Overlaps::depth_offsets, Level::offsets);
+    act("depth_vertices", &Overlaps::depth_vertices, Level::depths);
+    act("depths", &Overlaps::depths, Level::depths);
+    act("depth_points", &Overlaps::depth_points, Level::depths);
+    act("depth_triangles", &Overlaps::depth_triangles, Level::depths);
+    act("deepest", &Overlaps::deepest, Level::rows);
+    act("depth_reached", &Overlaps::depth_reached, Level::rows);
+    act("depth_bound", &Overlaps::depth_bound, Level::rows);
+    act("union_volume", &Overlaps::union_volume, Level::rows);
+    act("intersection_over_union", &Overlaps::intersection_over_union, Level::rows);
+    act("difference_volume", &Overlaps::difference_volume, Level::rows);
+    act("gradient_offsets", &Overlaps::gradient_offsets, Level::offsets);
+    act("gradient_vertices", &Overlaps::gradient_vertices, Level::gradient);
+    act("gradient", &Overlaps::gradient, Level::gradient);
+    act("curve_offsets", &Overlaps::curve_offsets, Level::offsets);
+    act("curve_closed", &Overlaps::curve_closed, Level::curves);
+    act("curve_area_vector", &Overlaps::curve_area_vector, Level::curves);
+    act("curve_torque", &Overlaps::curve_torque, Level::curves);
+    act("curve_point_offsets", &Overlaps::curve_point_offsets, Level::offsets);
+    act("curve_points", &Overlaps::curve_points, Level::points);
+    act("curve_triangles", &Overlaps::curve_triangles, Level::points);
+    act("curve_regions", &Overlaps::curve_regions, Level::curves);
+    act("region_offsets", &Overlaps::region_offsets, Level::offsets);
+    act("region_volume", &Overlaps::region_volume, Level::regions);
+    act("region_centroid", &Overlaps::region_centroid, Level::regions);
+    act("region_area_vector", &Overlaps::region_area_vector, Level::regions);
+    act("region_normal", &Overlaps::region_normal, Level::regions);
+    act("region_mean_depth", &Overlaps::region_mean_depth, Level::regions);
+    act("region_thickness", &Overlaps::region_thickness, Level::regions);
+    act("region_box", &Overlaps::region_box, Level::regions);
+    act("region_is_contact", &Overlaps::region_is_contact, Level::regions);
+    act("region_is_merged", &Overlaps::region_is_merged, Level::regions);
+    act("region_pieces", &Overlaps::region_pieces, Level::regions);
+    act("winding_offsets", &Overlaps::winding_offsets, Level::offsets);
+    act("winding_vertices", &Overlaps::winding_vertices, Level::windings);
+    act("windings", &Overlaps::windings, Level::windings);
+    act("body_volume", &Overlaps::body_volume, Level::bodies);
+    act("is_solid", &Overlaps::is_solid, Level::bodies);
 }
 
 }  // namespace crumple

@@ -31,13 +31,14 @@ void negate(OverlapNumbers& numbers) {
 
 Overlaps metered_overlaps(MemoryMeter* meter) {
     Overlaps result;
-    for_each_overlap_array(
-        [&](const char*, auto array) { result.*array = std::remove_cvref_t<decltype(result.*array)>(meter); });
+    for_each_overlap_array([&](const char*, auto array, OverlapLevel) {
+        result.*array = std::remove_cvref_t<decltype(result.*array)>(meter);
+    });
     return result;
 }
 
 void swap_out(Overlaps& mine, Overlaps& theirs) {
-    for_each_overlap_array([&](const char*, auto array) {
+    for_each_overlap_array([&](const char*, auto array, OverlapLevel) {
         (mine.*array).swap_elements(theirs.*array);
         (mine.*array).clear();
     });
@@ -47,7 +48,7 @@ void swap_out(Overlaps& mine, Overlaps& theirs) {
 }
 
 void clear(Overlaps& result) {
-    for_each_overlap_array([&](const char*, auto array) { (result.*array).clear(); });
+    for_each_overlap_array([&](const char*, auto array, OverlapLevel) { (result.*array).clear(); });
     result.any = false;
     result.count = 0;
     result.statistics = {};
@@ -156,7 +157,7 @@ void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t wor
              Overlaps& result) {
     result.any = true;
     if (query.output == Output::any) return;
-    if (world >= 0) result.world_hit[world] = 1;
+    if (world >= 0 && !result.world_hit.empty()) result.world_hit[world] = 1;
     if (query.output == Output::any_by_world) return;
     result.bodies.push_back(bodies);
     result.relation.push_back(row.relation);

@@ -117,7 +117,7 @@ inline std::string difference(const Overlaps& x, const Overlaps& y) {
     if (x.any != y.any) return "any";
     if (x.count != y.count) return "count";
     std::string different;
-    for_each_overlap_array([&](const char* name, auto array) {
+    for_each_overlap_array([&](const char* name, auto array, OverlapLevel) {
         if (different.empty() && differ(x.*array, y.*array)) different = name;
     });
     return different;

@@ -1,7 +1,7 @@
 #include "search/overlap/overlap_search.h"
 
 #include <algorithm>
-#include <atomic>
+#include <iterator>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -11,6 +11,7 @@
 #include "results/overlap_output.h"
 #include "results/withdrawal_output.h"
 #include "search/containment/contained_bodies.h"
+#include "search/overlap/slice_of_world.h"
 #include "search/withdrawal/withdrawal_search.h"
 
 namespace crumple {
@@ -65,14 +66,18 @@ void OverlapSearch::release() {
     buffers_of_two_ = SceneBuffers(&meter_);
     found_ = metered(&meter_);
     pairs_.release();
-    candidates_.clear();
+    candidates_ = {};
+    near_ = {};
     trees_.clear();
 }
 
 void OverlapSearch::find(BackendBase& backend, BackendBase& host, WorldSearch& worlds, const World& given,
-                         const OverlapQuery& query, Overlaps& result) {
+                         const OverlapQuery& query, Overlaps& result, const OverlapBlocks* blocks) {
     host_ = &host;
     query_ = query;
+    blocks_ = blocks;
+    delivered_ = 0;
+    rational_ = 0;
     World world = given;
     std::vector<Body> bodies(given.bodies.begin(), given.bodies.end());
     for (Body& body : bodies) body.self = query.self_overlaps;
@@ -83,12 +88,17 @@ void OverlapSearch::find(BackendBase& backend, BackendBase& host, WorldSearch& w
     // If only flags are requested, most of them are set by surfaces that meet, and the search for such surfaces ends
     // early.
     const bool by_meeting = is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_;
-    if (by_meeting)
+    if (by_meeting) {
         find_flags(backend, worlds, world, result);
-    else
+    } else if (blocks) {
+        result.world_hit.clear();
+        stream_rows(backend, worlds, world, result);
+    } else {
         find_rows(backend, worlds, world, result);
+    }
     result.statistics.triangles = outline().triangles();
-    result.count = static_cast<std::int64_t>(result.bodies.size());
+    result.statistics.rational_tests += rational_;
+    result.count = blocks ? delivered_ : static_cast<std::int64_t>(result.bodies.size());
 }
 
 // True if there is a single candidate: two different bodies with unnamed shapes and identity poses.
@@ -134,52 +144,164 @@ void OverlapSearch::find_flags(BackendBase& backend, WorldSearch& worlds, const 
     result.statistics = found_.statistics;
 }
 
-void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result) {
+void OverlapSearch::find_pairs(BackendBase& backend, WorldSearch& worlds, const World& world, Candidates candidates,
+                               Statistics& statistics) {
     if (is_one_unposed_pair()) {
         find_pairs_of_two(backend);
-    } else {
-        IntersectionQuery intersections;
-        intersections.filter = query_.filter;
-        worlds.find(backend, world, intersections, found_);
-        sort_pairs();
+        add_pass(found_.statistics, statistics);
+        return;
     }
-    result.statistics = found_.statistics;
-    MemoryClaim memory(meter_);
-    memory.add(candidates_.size() * sizeof(OverlapRow));
-    trees_.clear();
-    std::vector<OverlapRow> rows(candidates_.size());
-    std::atomic<std::int64_t> rational{0};
+    IntersectionQuery intersections;
+    intersections.filter = query_.filter;
+    if (!blocks_ || candidates.size() == near_.size()) {
+        worlds.find(backend, world, intersections, found_);
+    } else {
+        std::vector<BodyPair> pairs;
+        for (const Candidate& candidate : candidates) pairs.push_back(candidate.bodies);
+        const SliceOfWorld slice(world, query_.filter, near_, pairs);
+        intersections.filter = slice.filter();
+        worlds.find(backend, slice.world(), intersections, found_);
+        for (auto& [a, b] : found_.bodies) a = slice.body(a), b = slice.body(b);
+    }
+    sort_pairs(candidates);
+    add_pass(found_.statistics, statistics);
+}
+
+// Returns the rows of candidates whose pairs of triangles are known. Ends after the first row if it decides the result.
+std::vector<OverlapRow> OverlapSearch::make_rows(Candidates candidates, MemoryClaim& memory) {
+    memory.add(candidates.size() * sizeof(OverlapRow));
+    std::vector<OverlapRow> rows(candidates.size());
     std::atomic<bool> enough{false};
-    host_->parallel_for(candidates_.size(), [&](std::size_t i) {
+    host_->parallel_for(candidates.size(), [&](std::size_t i) {
         if (enough.load(std::memory_order_relaxed)) return;
         cancellation_.check();
         bool was_exact = false;
-        rows[i] = row_of(candidates_[i], was_exact);
+        rows[i] = row_of(candidates[i], was_exact);
         memory.add(bytes_of(rows[i]));
-        if (was_exact) rational.fetch_add(1, std::memory_order_relaxed);
+        if (was_exact) rational_.fetch_add(1, std::memory_order_relaxed);
         if (query_.output == Output::any && is_in_result(query_, rows[i]))
             enough.store(true, std::memory_order_relaxed);
     });
+    return rows;
+}
+
+void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result) {
+    find_pairs(backend, worlds, world, candidates_, result.statistics);
+    trees_.clear();
+    MemoryClaim memory(meter_);
+    const std::vector<OverlapRow> rows = make_rows(candidates_, memory);
     trees_.clear();
     std::vector<std::int32_t> solids;  // ascending
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        if (const auto [a, b] = candidates_[i].bodies; a == b && is_solid(rows[i])) solids.push_back(a);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto [a, b] = candidates_[i].bodies;
+        if (a != b) continue;
+        add_body(a, rows[i], result);
+        if (is_solid(rows[i])) solids.push_back(a);
+    }
     const auto is_solid_body = [&](std::int32_t body) {
         return query_.self_overlaps ? std::binary_search(solids.begin(), solids.end(), body) : query_.solids;
     };
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const BodyPair& bodies = candidates_[i].bodies;
-        if (bodies.first == bodies.second) add_body(bodies.first, rows[i], result);
-        if (is_in_result(query_, rows[i]))
-            add_row(query_, bodies, outline().body(bodies.first).world, rows[i],
-                    is_solid_body(bodies.first) && is_solid_body(bodies.second), result);
+        add_if_in_result(candidates_[i], rows[i], is_solid_body(bodies.first) && is_solid_body(bodies.second), result);
     }
-    result.statistics.rational_tests += rational;
+}
+
+void OverlapSearch::add_if_in_result(const Candidate& candidate, const OverlapRow& row, bool solids,
+                                     Overlaps& result) const {
+    if (is_in_result(query_, row))
+        add_row(query_, candidate.bodies, outline().body(candidate.bodies.first).world, row, solids, result);
+}
+
+// Calls each(candidates) for one slice of the candidates after another, whose pairs of triangles are known.
+template <class Each>
+void OverlapSearch::for_each_slice(BackendBase& backend, WorldSearch& worlds, const World& world, Each each,
+                                   Statistics& statistics) {
+    for (std::size_t begin = 0, end = 0; begin < candidates_.size(); begin = end) {
+        cancellation_.check();
+        end = end_of_slice(begin);
+        const Candidates slice = Candidates(candidates_).subspan(begin, end - begin);
+        find_pairs(backend, worlds, world, slice, statistics);
+        each(slice);
+        trees_.clear();
+    }
+}
+
+// Ends a slice where the triangles of the smaller bodies of its pairs, which bound the usual number of pairs of
+// triangles, exceed those of the world. So slices are few, and a search of all of them takes few searches of the world.
+std::size_t OverlapSearch::end_of_slice(std::size_t begin) const {
+    const std::int64_t most = std::max(outline().triangles(), 4 * std::min(blocks_->most, std::int64_t{1} << 30));
+    std::int64_t triangles = 0;
+    std::size_t end = begin;
+    while (end < candidates_.size() && triangles < most) {
+        const auto [a, b] = candidates_[end++].bodies;
+        triangles += std::min(outline().shape(a).triangles.rows, outline().shape(b).triangles.rows);
+    }
+    return end;
+}
+
+// Fills the lists by body, which all blocks have, and removes the pairs of solids with themselves, which have no row.
+void OverlapSearch::find_bodies(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result) {
+    if (result.body_volume.empty()) return;
+    std::vector<Candidate> all = std::exchange(candidates_, {});
+    const auto is_self = [](const Candidate& candidate) { return candidate.bodies.first == candidate.bodies.second; };
+    std::copy_if(all.begin(), all.end(), std::back_inserter(candidates_), is_self);
+    const OverlapQuery query = query_;
+    query_.gradient = query_.windings = false;
+    const auto read_bodies = [&](Candidates slice) {
+        MemoryClaim memory(meter_);
+        const std::vector<OverlapRow> rows = make_rows(slice, memory);
+        for (std::size_t i = 0; i < rows.size(); ++i) add_body(slice[i].bodies.first, rows[i], result);
+    };
+    for_each_slice(backend, worlds, world, read_bodies, result.statistics);
+    query_ = query;
+    std::erase_if(all, [&](const Candidate& candidate) {
+        return is_self(candidate) && result.is_solid[candidate.bodies.first] != 0;
+    });
+    candidates_ = std::move(all);
+}
+
+void OverlapSearch::stream_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result) {
+    constexpr std::size_t least_at_once = 16, most_at_once = 1024, most_pairs = 1 << 20;
+    const std::size_t at_once = std::clamp(static_cast<std::size_t>(blocks_->most), least_at_once, most_at_once);
+    trees_.clear();
+    find_bodies(backend, worlds, world, result);
+    const auto is_solid_body = [&](std::int32_t body) {
+        return query_.self_overlaps ? !result.is_solid.empty() && result.is_solid[body] != 0 : query_.solids;
+    };
+    const auto add_rows = [&](Candidates some) {
+        MemoryClaim memory(meter_);
+        const std::vector<OverlapRow> rows = make_rows(some, memory);
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            const auto [a, b] = some[i].bodies;
+            add_if_in_result(some[i], rows[i], is_solid_body(a) && is_solid_body(b), result);
+            if (static_cast<std::int64_t>(result.bodies.size()) == blocks_->most) deliver(result);
+        }
+    };
+    const auto add_slice = [&](Candidates slice) {
+        for (std::size_t begin = 0, end = 0; begin < slice.size(); begin = end) {
+            end = begin + 1;
+            while (end < slice.size() && end - begin < at_once && slice[end].end - slice[begin].begin <= most_pairs)
+                ++end;
+            add_rows(slice.subspan(begin, end - begin));
+        }
+    };
+    for_each_slice(backend, worlds, world, add_slice, result.statistics);
+    const bool has_lists = !result.skipped.empty() || !result.body_volume.empty();
+    if (!result.bodies.empty() || (delivered_ == 0 && has_lists)) deliver(result);
+}
+
+void OverlapSearch::deliver(Overlaps& result) {
+    cancellation_.check();
+    delivered_ += static_cast<std::int64_t>(result.bodies.size());
+    result.count = delivered_;
+    blocks_->take(result);
+    clear_rows(result);
 }
 
 // Sorts the found pairs by pair of bodies, and sets the range of each candidate. The pairs arrive in the order of
 // first body, its triangle, second body, its triangle.
-void OverlapSearch::sort_pairs() {
+void OverlapSearch::sort_pairs(Candidates candidates) {
     std::vector<std::size_t> order(found_.pairs.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const auto before = [&](std::size_t i, std::size_t j) { return found_.bodies[i] < found_.bodies[j]; };
@@ -187,7 +309,7 @@ void OverlapSearch::sort_pairs() {
     pairs_.resize_discard(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) pairs_[i] = found_.pairs[order[i]];
     std::size_t i = 0;
-    for (Candidate& candidate : candidates_) {
+    for (Candidate& candidate : candidates) {
         // Skips the pairs of triangles of bodies that are no candidates, because a surface is not closed.
         while (i < order.size() && found_.bodies[order[i]] < candidate.bodies) ++i;
         candidate.begin = i;
@@ -203,6 +325,7 @@ std::vector<std::int32_t> OverlapSearch::list_candidates() {
     std::vector<std::int32_t> open = bodies_.open_bodies(pairs.span(), query_.open, "OverlapQuery");
     none_is_open_ = open.empty();
     candidates_.clear();
+    near_.assign(pairs.begin(), pairs.end());
     for (const BodyPair& pair : pairs) {
         const bool closed = bodies_.is_closed(pair.first) && bodies_.is_closed(pair.second);
         const bool has_curves = query_.open == OpenSurfaces::curves && pair.first != pair.second;

@@ -10,16 +10,22 @@
 //   else for each pair of bodies, on one worker, which may share loops with others: posed vertices, sums, numbers,
 //           relation, regions -> a row; depths by trees of both bodies (search/depth/); withdrawals
 //           (search/withdrawal/)
+//
+// A result in blocks is made slice by slice (slice_of_world.h), so that neither all rows nor all pairs of triangles are
+// in memory at once.
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "backends/backend.h"
 #include "base/cancellation.h"
 #include "crumple/overlaps.h"
+#include "results/overlap_rows.h"
 #include "search/containment/closed_bodies.h"
 #include "search/overlap/overlap_row.h"
 #include "search/world_search.h"
@@ -32,9 +38,11 @@ class OverlapSearch {
     OverlapSearch(MemoryMeter& meter, Cancellation& cancellation, ClosedBodies& bodies);
 
     /// `worlds` finds the pairs of triangles that intersect, by `backend`; all else is computed by the threads and
-    /// kernels of `host`, a backend that runs on the host.
+    /// kernels of `host`, a backend that runs on the host. If `blocks` is not null, delivers the rows in blocks: the
+    /// same rows, in the same order, without `world_hit`. A result without rows that has lists by body, or skipped
+    /// bodies, is one block without rows.
     void find(BackendBase& backend, BackendBase& host, WorldSearch& worlds, const World& world,
-              const OverlapQuery& query, Overlaps& result);
+              const OverlapQuery& query, Overlaps& result, const OverlapBlocks* blocks = nullptr);
 
     /// Frees all memory, except for the surfaces.
     void release();
@@ -50,8 +58,22 @@ class OverlapSearch {
     bool is_one_unposed_pair() const;
     void find_pairs_of_two(BackendBase& backend);
     void find_flags(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result);
-    void sort_pairs();
+    using Candidates = std::span<Candidate>;
+    /// Finds the pairs of triangles of some candidates.
+    void find_pairs(BackendBase& backend, WorldSearch& worlds, const World& world, Candidates candidates,
+                    Statistics& statistics);
+    void sort_pairs(Candidates candidates);
+    std::vector<OverlapRow> make_rows(Candidates candidates, MemoryClaim& memory);
     void find_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result);
+    void add_if_in_result(const Candidate& candidate, const OverlapRow& row, bool solids, Overlaps& result) const;
+    // Results in blocks:
+    template <class Each>
+    void for_each_slice(BackendBase& backend, WorldSearch& worlds, const World& world, Each each,
+                        Statistics& statistics);
+    std::size_t end_of_slice(std::size_t begin) const;
+    void find_bodies(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result);
+    void stream_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result);
+    void deliver(Overlaps& result);
     /// Body with its posed vertices and a tree of them.
     struct PosedTree {
         Array<Vec3d> points;
@@ -74,9 +96,13 @@ class OverlapSearch {
     // State of the current call:
     BackendBase* host_ = nullptr;
     OverlapQuery query_;
+    const OverlapBlocks* blocks_ = nullptr;
+    std::int64_t delivered_ = 0;             ///< number of rows delivered in blocks
+    std::atomic<std::int64_t> rational_{0};  ///< number of rows that needed rational arithmetic
     SceneBuffers buffers_of_two_;
     Intersections found_;
-    Array<Pair> pairs_;  ///< pairs of triangles that may intersect, with all that do, sorted by pair of bodies
+    Array<Pair> pairs_;           ///< pairs of triangles that may intersect, with all that do, sorted by pair of bodies
+    std::vector<BodyPair> near_;  ///< selected pairs of bodies whose boxes overlap, sorted
     std::vector<Candidate> candidates_;
     std::map<std::int32_t, std::pair<std::once_flag, std::unique_ptr<PosedTree>>> trees_;  ///< by body
     std::mutex trees_mutex_;
