@@ -13,6 +13,7 @@
 #include "crumple/intersections.h"
 #include "crumple/mesh.h"
 #include "crumple/options.h"
+#include "crumple/overlaps.h"
 #include "crumple/proximities.h"
 #include "crumple/world.h"
 
@@ -88,13 +89,14 @@ struct DistributedProgress {
 struct DistributedStatistics {
     double milliseconds = 0;                               ///< wall-clock time of the call
     std::array<double, phase_count> phase_milliseconds{};  ///< including the communication at the end of the phase
-    int parts = 0;                                         ///< number of parts that this rank has searched
-    std::int64_t members = 0;                              ///< triangles of these parts, counted once per part
-    std::int64_t bytes_sent = 0;                           ///< sent to other ranks
-    std::int64_t messages = 0;                             ///< number of messages to other ranks
-    double work_milliseconds = 0;                          ///< time of the searches
-    double largest_work = 0;                               ///< maximum of work_milliseconds over all ranks
-    double mean_work = 0;                                  ///< mean of work_milliseconds over all ranks
+    /// Number of parts that this rank has searched; for overlaps, number of pairs of bodies.
+    int parts = 0;
+    std::int64_t members = 0;      ///< triangles of these parts, counted once per part
+    std::int64_t bytes_sent = 0;   ///< sent to other ranks
+    std::int64_t messages = 0;     ///< number of messages to other ranks
+    double work_milliseconds = 0;  ///< time of the searches
+    double largest_work = 0;       ///< maximum of work_milliseconds over all ranks
+    double mean_work = 0;          ///< mean of work_milliseconds over all ranks
     /// True if only vertices have moved since the previous call, so that only coordinates were sent.
     bool moved = false;
     Statistics search;  ///< summed over this rank's parts
@@ -149,6 +151,19 @@ struct DistributedProximities {
     DistributedStatistics statistics;
 
     const ProximityList& operator[](FeatureKind kind) const { return lists[static_cast<std::size_t>(kind)]; }
+};
+
+/// Result of an OverlapQuery: rows of this rank, and totals over all ranks.
+struct DistributedOverlaps {
+    bool any = false;        ///< true if some rank has found a row
+    std::int64_t count = 0;  ///< number of rows over all ranks if they are listed, else 0
+    /// Rows whose first body is local, in order, with all lists that belong to them. Bodies have their numbers over all
+    /// ranks, vertices and triangles their indices within bodies. `skipped` has the local ones of the skipped bodies;
+    /// `body_volume` and `is_solid` belong to the local bodies, in the order in which this rank has provided them;
+    /// `world_hit` and `statistics` are empty. Merged by first body, the rows of all ranks are the same bytes as those
+    /// of a single machine.
+    Overlaps rows;
+    DistributedStatistics statistics;
 };
 
 }  // namespace crumple

@@ -46,17 +46,20 @@ class CRUMPLE_API Detector {
 
     /// Finds everything that the query describes, as crumple::Detector::find does. Each rank gets the rows whose first
     /// triangle, feature or body it has provided, in order; valid until the next call. `Share` is LocalMesh or
-    /// LocalWorld; the query is an IntersectionQuery, ImpactQuery or ProximityQuery.
+    /// LocalWorld; the query is an IntersectionQuery, ImpactQuery, ProximityQuery or, for a LocalWorld, OverlapQuery.
     ///
     /// With less output than pairs no rows are sent; Output::any_by_world is the same as Output::any. A moving mesh has
     /// its end positions in MeshView::end; codimensional edges and points (MeshView::edges, MeshView::points) are
     /// ignored. Parts are cached for the last query only: a call with a different minimum distance or radius, or with
     /// another type of query, makes new parts. The pair filter may filter by bodies (including Body::self) or by
-    /// groups, not by both. Throws Error (invalid_argument) for what ranks do not support: `index`, `triangle_pairs`,
-    /// `radii`, `rest`, `rings`, `least`; for meshes, excluded bodies; for worlds, Body::world other than 0, poses in
-    /// device memory, and shapes with codimensional edges or points, radii, or a rest shape. Error::index of an error
-    /// about a body (Element::body) counts bodies over all ranks. Exception: without `body_ids`, errors about anything
-    /// but coordinates or triangles count the bodies of the rank that failed.
+    /// groups, not by both, except in an OverlapQuery. Throws Error (invalid_argument) for what ranks do not support:
+    /// `index`, `triangle_pairs`, `radii`, `rest`, `rings`, `least`; for meshes, excluded bodies; for worlds,
+    /// Body::world other than 0, poses in device memory, and shapes with codimensional edges or points, radii, or a
+    /// rest shape. Error::index of an error about a body (Element::body) counts bodies over all ranks. Exception:
+    /// without `body_ids`, errors about anything but coordinates or triangles count the bodies of the rank that failed.
+    ///
+    /// Overlaps: a rank searches whole pairs of bodies, and the bodies that it lacks are sent to it in each call. The
+    /// overlap of a LocalMesh with itself is not supported, as it needs winding numbers of a distributed surface.
     template <class Query = IntersectionQuery, class Share>
     const typename Query::DistributedResult& find(const Share& share, const Query& query = {},
                                                   std::stop_token stop = {});

@@ -12,6 +12,7 @@
 namespace crumple {
 
 struct Overlaps;
+struct DistributedOverlaps;
 
 /// Vertex of a body: `vertex` is an index into the vertices of the body's shape.
 struct BodyVertex {
@@ -27,6 +28,7 @@ struct BodyVertex {
 /// body covers u times and the other v times is counted u v times.
 struct OverlapQuery {
     using Result = Overlaps;
+    using DistributedResult = DistributedOverlaps;
 
     /// `any`, `any_by_world`, `body_pairs` (which bodies overlap, and their relation) or `pairs` (all numbers).
     Output output = Output::pairs;

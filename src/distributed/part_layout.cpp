@@ -102,11 +102,12 @@ void Owners::give_out(std::span<const std::int64_t> work, int ranks, Near near) 
     owner_.assign(work.size(), 0);
     for (const std::size_t k : order) {
         int owner = by_load.begin()->second;
-        for (const int r : near(k))
-            if (load[static_cast<std::size_t>(r)] + work[k] <= fair) {
-                owner = r;
-                break;
-            }
+        for (const int r : near(k)) {
+            const std::int64_t before = load[static_cast<std::size_t>(r)];
+            if (before > 0 && before + work[k] > fair) continue;
+            owner = r;
+            break;
+        }
         owner_[k] = owner;
         std::int64_t& loaded = load[static_cast<std::size_t>(owner)];
         by_load.erase({loaded, owner});

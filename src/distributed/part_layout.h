@@ -71,8 +71,9 @@ class Owners {
     std::vector<std::int32_t> parts_of(int rank) const;
 
     using Near = FunctionRef<std::span<const int>(std::size_t part)>;
-    /// Assigns parts to ranks, in the order of descending work. Each part goes to the first rank in near(part) whose
-    /// load then is at most 5 % above the mean; if there is none, to the rank with the least load.
+    /// Assigns parts to ranks, in the order of descending work. Each part goes to the first rank in near(part) that has
+    /// no load yet, or whose load then is at most 5 % above the mean; if there is none, to the rank with the least
+    /// load. near(part) is called once for each part, in that order, and may call of() for the parts before.
     void give_out(std::span<const std::int64_t> work, int ranks, Near near);
     /// Returns the largest work of a rank, divided by the mean over all ranks.
     double balance(std::span<const std::int64_t> work, int ranks) const;

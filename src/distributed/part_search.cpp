@@ -54,4 +54,13 @@ const Proximities& PartSearch::find(const Part& part, const ProximityQuery& quer
     return find_features(part, query, memory, std::move(stop), nearby);
 }
 
+void PartSearch::read_surfaces(const World& world, bool weld, std::stop_token stop,
+                               FunctionRef<void(const ClosedBodies&)> use) {
+    const auto attempt = [&] {
+        closed_bodies.read(host_backend(), world, {}, weld);
+        use(closed_bodies);
+    };
+    run(std::move(stop), attempt, [](std::int64_t) { return true; });
+}
+
 }  // namespace crumple::distribute

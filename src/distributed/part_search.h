@@ -1,6 +1,6 @@
 #pragma once
 
-// Search engine of a rank: searches one part after another, under the rank's memory limit.
+// Search engine of a rank: searches one part after another, or whole bodies, under the rank's memory limit.
 
 #include <cstdint>
 #include <functional>
@@ -9,13 +9,13 @@
 #include <utility>
 
 #include "crumple/part.h"
-#include "detector/detector_state.h"
+#include "detector/world_calls.h"
 
 namespace crumple::distribute {
 
-class PartSearch : private DetectorState {
+class PartSearch : private WorldCalls {
    public:
-    explicit PartSearch(const Options& options) : DetectorState(options) {}
+    explicit PartSearch(const Options& options) : WorldCalls(options) {}
 
     /// Returns the pairs that the part owns, as indices of triangles within the part. Valid until the next call.
     /// `memory`: per-scene cache of the part.
@@ -30,6 +30,13 @@ class PartSearch : private DetectorState {
                         std::stop_token stop);
     const Proximities& find(const Part& part, const ProximityQuery& query, std::unique_ptr<SceneMemory>& memory,
                             std::stop_token stop);
+
+    /// Reads the surfaces of the bodies of a world, and calls use(surfaces).
+    void read_surfaces(const World& world, bool weld, std::stop_token stop, FunctionRef<void(const ClosedBodies&)> use);
+    /// Returns the overlaps of a world as Detector::find does. Valid until the next call.
+    const Overlaps& find(const World& world, const OverlapQuery& query, std::stop_token stop) {
+        return WorldCalls::find(world, query, std::move(stop));
+    }
 
     /// See Detector::set_poll.
     void set_poll(std::function<void()> poll) { cancellation.set_poll(std::move(poll)); }

@@ -82,8 +82,22 @@ void Bodies::fail_with_id(const Error& error, std::int64_t body, std::int64_t id
 
 void Bodies::outline(const LocalWorld& share, const PairFilter& rules, bool moving) {
     given_ = share.body_ids;
+    name_bodies_by_id([&] { outline_share(share, rules); });
+    reserve_mesh(moving);
+}
+
+void Bodies::outline_whole(const LocalWorld& share, const PairFilter& rules) {
+    given_ = share.body_ids;
+    name_bodies_by_id([&] { outline_share(share, rules); });
+    share_ = {};
+    end_view_ = {};
+}
+
+// Runs read(). If it throws an error about a body, names the body by its id.
+template <class Read>
+void Bodies::name_bodies_by_id(Read read) {
     try {
-        read_share(share, rules, moving);
+        read();
     } catch (const Error& error) {
         const std::int64_t b = error.index;
         if (error.element != Element::body || b < 0 || b >= static_cast<std::int64_t>(given_.size())) throw;
@@ -91,7 +105,7 @@ void Bodies::outline(const LocalWorld& share, const PairFilter& rules, bool movi
     }
 }
 
-void Bodies::read_share(const LocalWorld& share, const PairFilter& rules, bool moving) {
+void Bodies::outline_share(const LocalWorld& share, const PairFilter& rules) {
     // The outline does not get the excluded pairs of bodies, because they have numbers over all ranks.
     check(!lies_on_device(share.world), "poses must be in host memory: ranks do not support poses in device memory");
     PairFilter known;
@@ -103,12 +117,17 @@ void Bodies::read_share(const LocalWorld& share, const PairFilter& rules, bool m
     if (!given_.empty() && given_.size() != static_cast<std::size_t>(bodies))
         throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(given_.size()) + " body ids for " +
                                                      std::to_string(bodies) + " bodies");
+    for (std::int32_t b = 0; b < bodies; ++b) {
+        check_shape(outline_.shape(b), b);
+        if (outline_.body(b).world != 0) refuse_body(b, ": its world must be 0, because all ranks share one world");
+    }
+}
+
+void Bodies::reserve_mesh(bool moving) {
     bool float32 = true;
     std::int64_t vertices = 0;
-    for (std::int32_t b = 0; b < bodies; ++b) {
+    for (std::int32_t b = 0; b < outline_.bodies(); ++b) {
         const Shape& shape = outline_.shape(b);
-        check_shape(shape, b);
-        if (outline_.body(b).world != 0) refuse_body(b, ": its world must be 0, because all ranks share one world");
         float32 = float32 && shape.vertices.type == ScalarType::float32 &&
                   (!moving || !shape.end.data || shape.end.type == ScalarType::float32);
         vertices += shape.vertices.rows;
@@ -140,6 +159,31 @@ void Bodies::number(Transport& transport, CollectiveCheck& agree) {
         exchange_filters();
         give_numbers();
     });
+}
+
+void Bodies::number_whole(Transport& transport, CollectiveCheck& agree) {
+    if (!resolve_body_ids(transport, agree)) tabulate(transport, agree);
+    agree(Phase::input, [&] { check_excluded_bodies(); });
+}
+
+void Bodies::check_whole() const {
+    for (std::int32_t b = 0; b < outline_.bodies(); ++b) {
+        const Shape& shape = outline_.shape(b);
+        const VertexReader position = reader_of(shape);
+        const crumple::Placement place = outline_.placement(b);
+        try {
+            for (std::int64_t v = 0; v < shape.vertices.rows; ++v)
+                if (!all_finite(place(position(v)))) fail_body_not_finite(outline_, b);
+            with_corner_reader(shape, [&](auto corner) {
+                for (std::int64_t t = 0; t < shape.triangles.rows; ++t)
+                    for (int k = 0; k < 3; ++k)
+                        if (const std::int64_t v = corner(t, k); v < 0 || v >= shape.vertices.rows)
+                            fail_index(WorldOutline::name(b), t, v, shape.vertices.rows);
+            });
+        } catch (const Error& error) {
+            fail_with_id(error, b, id_of(b));
+        }
+    }
 }
 
 // Checks ids of bodies. Returns true if the table of the previous call is still valid.
@@ -212,9 +256,7 @@ void Bodies::tabulate(Transport& transport, CollectiveCheck& agree) {
     });
 }
 
-// Converts the pair filter to one of the groups of the local mesh. If Body::self of a body is false, excludes the pair
-// of its group with itself.
-void Bodies::exchange_filters() {
+void Bodies::check_excluded_bodies() const {
     const auto n = static_cast<std::int64_t>(table_.size());
     for (const BodyPair& pair : rules_.excluded_bodies)
         for (const std::int32_t b : {pair.first, pair.second})
@@ -222,6 +264,13 @@ void Bodies::exchange_filters() {
                 throw Error(ErrorCode::invalid_argument,
                             "excluded_bodies names body " + std::to_string(b) + " of " + std::to_string(n),
                             Element::body, b);
+}
+
+// Converts the pair filter to one of the groups of the local mesh. If Body::self of a body is false, excludes the pair
+// of its group with itself.
+void Bodies::exchange_filters() {
+    const auto n = static_cast<std::int64_t>(table_.size());
+    check_excluded_bodies();
     const auto alone = [](const Row& row) { return row.self != 0; };
     const bool all_self = std::all_of(table_.begin(), table_.end(), alone),
                none_self = std::none_of(table_.begin(), table_.end(), alone);

@@ -38,6 +38,13 @@ class Bodies {
     void pose(ParallelFor& workers);
     /// Counts the edges of each body, by the triangles that own them. Collective.
     void count_edges(Transport& transport, CollectiveCheck& agree, const FeatureOwners& features);
+    /// As outline() and number(), for bodies that stay whole: makes no local mesh, and share() is empty. Their pair
+    /// filter may refer to bodies and groups.
+    void outline_whole(const LocalWorld& share, const PairFilter& rules);
+    void number_whole(Transport& transport, CollectiveCheck& agree);
+    /// Checks coordinates and indices of the shapes of whole bodies. Throws Error (Element::body, by its id).
+    void check_whole() const;
+
     void forget_edges() { first_edge_.clear(); }
     void forget();
 
@@ -46,6 +53,12 @@ class Bodies {
     const VertexView& end() const { return end_view_; }
     /// Returns the pair filter of the world, converted to one of the local mesh's groups.
     const PairFilter& rules() const { return group_filter_; }
+    /// Bodies of this rank: their outline, and the number over all ranks of each.
+    const WorldOutline& local() const { return outline_; }
+    std::int32_t number_of(std::int32_t local_body) const { return static_cast<std::int32_t>(id_of(local_body)); }
+    /// Number of bodies of all ranks, and number of triangles of one of them.
+    std::int32_t count() const { return static_cast<std::int32_t>(table_.size()); }
+    std::int64_t triangles_of(std::int32_t body) const { return table_[static_cast<std::size_t>(body)].triangles; }
     /// Returns the rank that provided a body.
     int rank_of(std::int32_t body) const { return static_cast<int>(table_[static_cast<std::size_t>(body)].rank); }
 
@@ -77,7 +90,11 @@ class Bodies {
     }
     /// Throws an error about one of this rank's bodies with the body's id.
     [[noreturn]] static void fail_with_id(const Error& error, std::int64_t body, std::int64_t id);
-    void read_share(const LocalWorld& share, const PairFilter& rules, bool moving);
+    void outline_share(const LocalWorld& share, const PairFilter& rules);
+    template <class Read>
+    void name_bodies_by_id(Read read);
+    void reserve_mesh(bool moving);
+    void check_excluded_bodies() const;
     void check_shape(const Shape& shape, std::int32_t body) const;
     bool resolve_body_ids(Transport& transport, CollectiveCheck& agree);
     void tabulate(Transport& transport, CollectiveCheck& agree);

@@ -66,8 +66,7 @@ void RankDetector::show_phase(Phase phase) {
     if (show_ && phase != Phase::search) show_({phase});
 }
 
-void RankDetector::answer(const LocalMesh& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
-                          FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work) {
+void RankDetector::guard(std::stop_token stop, FunctionRef<void()> phases) {
     const FloatEnvironment environment;
     Stopwatch whole;
     watch_.lap();
@@ -77,6 +76,20 @@ void RankDetector::answer(const LocalMesh& share, const VertexView* end, Functio
     phase_ = Phase::query;
     shown_.reset();
     try {
+        phases();
+    } catch (...) {
+        forget();
+        throw;
+    }
+    statistics_[phase_] += watch_.lap();
+    statistics_.milliseconds = whole.lap();
+    statistics_.bytes_sent = rounds_.bytes_sent();
+    statistics_.messages = rounds_.messages();
+}
+
+void RankDetector::answer(const LocalMesh& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
+                          FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work) {
+    guard(std::move(stop), [&] {
         check_(Phase::query, [&] {
             asked_ = ask();
             RankMesh::check_shape(share);
@@ -89,14 +102,7 @@ void RankDetector::answer(const LocalMesh& share, const VertexView* end, Functio
         list_members();
         deliver();
         work();
-    } catch (...) {
-        forget();
-        throw;
-    }
-    statistics_[phase_] += watch_.lap();
-    statistics_.milliseconds = whole.lap();
-    statistics_.bytes_sent = rounds_.bytes_sent();
-    statistics_.messages = rounds_.messages();
+    });
 }
 
 // One reduction compares what must be equal on all ranks (minima of x and -x) and combines flags; another one exchanges
@@ -342,7 +348,7 @@ void RankDetector::forget() {
     expected_work_.clear();
     features_.forget();
     bodies_.forget();
-    result_ = {}, world_result_ = {}, impacts_ = {}, nearby_ = {};
+    result_ = {}, world_result_ = {}, impacts_ = {}, nearby_ = {}, overlaps_ = {};
     engine_->release();
 }
 

@@ -8,7 +8,10 @@
 //     place      make centres, unless reused
 //     members    find the parts of local triangles
 //     room       owners allocate memory, receive deltas
+//
+// Overlap queries search whole bodies instead of parts (overlaps/collected_overlaps.cpp).
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -38,6 +41,9 @@
 
 namespace crumple::distribute {
 
+class BodyCopies;
+class PairsOfBodies;
+
 /// Exported, since crumple::mpi is another shared library.
 class CRUMPLE_API RankDetector {
    public:
@@ -55,6 +61,10 @@ class CRUMPLE_API RankDetector {
     const DistributedImpacts& find(const LocalWorld& share, const ImpactQuery& query, std::stop_token stop = {});
     const DistributedProximities& find(const LocalWorld& share, const ProximityQuery& query, std::stop_token stop = {});
 
+    const DistributedOverlaps& find(const LocalWorld& share, const OverlapQuery& query, std::stop_token stop = {});
+    /// Throws Error (invalid_argument): overlaps need whole bodies.
+    const DistributedOverlaps& find(const LocalMesh& share, const OverlapQuery& query, std::stop_token stop = {});
+
     const DistributedOptions& options() const { return options_; }
     const DistributedStatistics& statistics() const { return statistics_; }
     /// Sets the clock that measures searches, in milliseconds; by default std::chrono::steady_clock.
@@ -68,6 +78,8 @@ class CRUMPLE_API RankDetector {
     void set_progress(std::function<void(const DistributedProgress&)> show) { show_ = std::move(show); }
 
    private:
+    /// Guards one call: runs its phases, measures them, and forgets everything after an error.
+    void guard(std::stop_token stop, FunctionRef<void()> phases);
     /// Runs all phases. ask() returns the query as ranks compare it, and may throw. prepare() is called after the
     /// comparison, and may communicate. work() runs the phases search, rows and output.
     void answer(const LocalMesh& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
@@ -79,6 +91,11 @@ class CRUMPLE_API RankDetector {
     void search_impacts(const ImpactQuery& query);
     void search_near(const ProximityQuery& query);
     void name_bodies_of_rows();
+    void find_overlaps(const OverlapQuery& query);
+    void list_pairs_of_bodies(const OverlapQuery& query, PairsOfBodies& pairs);
+    void search_overlaps(const OverlapQuery& query, const PairsOfBodies& pairs, const BodyCopies& copies,
+                         std::array<Overlaps, 2>& found, bool& any);
+    void collect_overlaps(const OverlapQuery& query, std::array<Overlaps, 2>& found);
     template <class Answer>
     void name_bodies_of_features(Answer& answer);
     template <class Each, class Result>
@@ -149,6 +166,7 @@ class CRUMPLE_API RankDetector {
     DistributedIntersections world_result_;
     DistributedImpacts impacts_;
     DistributedProximities nearby_;
+    DistributedOverlaps overlaps_;
 };
 
 }  // namespace crumple::distribute

@@ -1,6 +1,7 @@
 #include "distributed/rank_query.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <span>
 
@@ -10,7 +11,7 @@ namespace crumple::distribute {
 namespace {
 
 // Kind of a query: the first of the numbers that ranks compare.
-enum class Kind : std::uint8_t { intersections, motion, nearness, of_bodies };
+enum class Kind : std::uint8_t { intersections, motion, nearness, of_bodies, overlaps };
 
 // Appends all bits of x as two numbers that can be negated.
 void tell(double x, std::vector<std::int64_t>& told) {
@@ -19,14 +20,29 @@ void tell(double x, std::vector<std::int64_t>& told) {
     told.push_back(static_cast<std::int64_t>(bits & 0xffffffffu));
 }
 
+/// Hash of a list of numbers.
+struct ListHash {
+    std::uint64_t word = 0x9e3779b97f4a7c15ull;
+
+    void add(std::uint64_t number) { word = (word ^ number) * 0xff51afd7ed558ccdull, word ^= word >> 32; }
+    /// Returns the hash as a number that can be negated.
+    std::int64_t value() const { return static_cast<std::int64_t>(word >> 1); }
+};
+
 // Returns a hash of the list.
 template <class Pairs>
 std::int64_t word_of(const Pairs& pairs) {
-    std::uint64_t word = 0x9e3779b97f4a7c15ull;
+    ListHash hash;
     for (const auto& pair : pairs)
         for (const std::int32_t group : {std::min(pair.first, pair.second), std::max(pair.first, pair.second)})
-            word = (word ^ static_cast<std::uint32_t>(group)) * 0xff51afd7ed558ccdull, word ^= word >> 32;
-    return static_cast<std::int64_t>(word >> 1);
+            hash.add(static_cast<std::uint32_t>(group));
+    return hash.value();
+}
+std::int64_t word_of(const std::vector<std::array<double, 3>>& directions) {
+    ListHash hash;
+    for (const auto& direction : directions)
+        for (const double x : direction) hash.add(std::bit_cast<std::uint64_t>(x));
+    return hash.value();
 }
 
 void tell(const PairFilter& rules, bool world, ComparedQuery& asked) {
@@ -114,6 +130,25 @@ ComparedQuery request_of_ranks(const ProximityQuery& query, bool world) {
     tell(query.radius, asked.told);
     asked.features = {false, query.radius, 0, query.weld};
     tell(query.filter, world, asked);
+    return asked;
+}
+
+ComparedQuery request_of_ranks(const OverlapQuery& query, const World& world) {
+    check_query_options(query, world);
+    std::int64_t flags = 0;
+    for (const bool flag : {query.weld, query.self_overlaps, query.gradient, query.curves, query.windings,
+                            query.extents, query.depths, query.translation, query.solids, query.unions, query.regions})
+        flags = 2 * flags + (flag ? 1 : 0);
+    ComparedQuery asked;
+    asked.told = {static_cast<std::int64_t>(Kind::overlaps),
+                  static_cast<std::int64_t>(query.output),
+                  static_cast<std::int64_t>(query.open),
+                  flags,
+                  static_cast<std::int64_t>(query.directions.size()),
+                  word_of(query.directions)};
+    tell(query.min_volume, asked.told);
+    tell(query.depth_tolerance, asked.told);
+    tell(query.filter, true, asked);
     return asked;
 }
 

@@ -9,6 +9,7 @@
 
 #include "crumple/impacts.h"
 #include "crumple/options.h"
+#include "crumple/overlaps.h"
 #include "crumple/proximities.h"
 #include "distributed/feature_assembly.h"
 
@@ -30,6 +31,8 @@ ComparedQuery request_of_ranks(const ImpactQuery& query, bool world);
 ComparedQuery request_of_ranks(const ProximityQuery& query, bool world);
 /// Converts a query about bodies.
 ComparedQuery request_of_ranks(const IntersectionQuery& query);
+/// `world`: the local bodies of the rank.
+ComparedQuery request_of_ranks(const OverlapQuery& query, const World& world);
 RankOutput output_of(const IntersectionQuery& query);
 
 }  // namespace crumple::distribute

@@ -81,6 +81,13 @@ void orient(int first, int second, OverlapRow& row) {
 void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, Overlaps& result) {
     clear(result);
     if (query.output != Output::any) result.world_hit.assign(static_cast<std::size_t>(worlds), 0);
+    begin_rows(query, result);
+    if (query.output != Output::pairs || !query.self_overlaps) return;
+    result.body_volume.assign(static_cast<std::size_t>(bodies), std::numeric_limits<double>::quiet_NaN());
+    result.is_solid.assign(static_cast<std::size_t>(bodies), 0);
+}
+
+void begin_rows(const OverlapQuery& query, Overlaps& result) {
     if (query.output != Output::pairs) return;
     if (query.gradient) result.gradient_offsets.push_back(0);
     if (query.windings) result.winding_offsets.push_back(0);
@@ -90,9 +97,6 @@ void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, 
         result.curve_point_offsets.push_back(0);
     }
     if (query.regions) result.region_offsets.push_back(0);
-    if (!query.self_overlaps) return;
-    result.body_volume.assign(static_cast<std::size_t>(bodies), std::numeric_limits<double>::quiet_NaN());
-    result.is_solid.assign(static_cast<std::size_t>(bodies), 0);
 }
 
 void add_body(std::int32_t body, const OverlapRow& row, Overlaps& result) {

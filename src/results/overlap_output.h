@@ -111,6 +111,8 @@ void clear(Overlaps& result);
 /// Begins a result without rows. If the query requests all pairs and self_overlaps, sets body_volume to NaN and
 /// is_solid to 0 for all bodies, as for bodies whose surfaces are not closed.
 void begin(const OverlapQuery& query, std::int32_t worlds, std::int32_t bodies, Overlaps& result);
+/// Begins the offsets of lists that belong to rows, of a result without rows.
+void begin_rows(const OverlapQuery& query, Overlaps& result);
 /// True if the overlap of a body with itself proves that the body is a solid.
 inline bool is_solid(const OverlapRow& row) { return row.numbers.volume.scaled.mantissa == 0; }
 /// Sets body_volume and is_solid of a body from the row of its overlap with itself, if begin() made these arrays.

@@ -86,6 +86,12 @@ void deliver_in_blocks(const Overlaps& whole, const OverlapBlocks& blocks, Overl
     if (rows == 0 && (!block.skipped.empty() || !block.body_volume.empty())) blocks.take(block);
 }
 
+void number_bodies(Overlaps& result, FunctionRef<std::int32_t(std::int32_t body)> number_of) {
+    for (auto& [a, b] : result.bodies) a = number_of(a), b = number_of(b);
+    for (auto* vertices : {&result.gradient_vertices, &result.depth_vertices, &result.winding_vertices})
+        for (BodyVertex& vertex : *vertices) vertex.body = number_of(vertex.body);
+}
+
 void clear_rows(Overlaps& result) {
     for_each_overlap_array([&](const char*, auto array, OverlapLevel list) {
         if (!is_of_rows(list)) return;

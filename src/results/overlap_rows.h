@@ -24,6 +24,9 @@ void append_rows(const Overlaps& from, std::size_t begin, std::size_t end, Overl
 /// lists by body, or skipped bodies.
 void deliver_in_blocks(const Overlaps& whole, const OverlapBlocks& blocks, Overlaps& block, Cancellation& cancellation);
 
+/// Replaces each body that rows name by number_of(body), which must ascend with it.
+void number_bodies(Overlaps& result, FunctionRef<std::int32_t(std::int32_t body)> number_of);
+
 /// Removes all rows; keeps lists by world and by body, and the memory.
 void clear_rows(Overlaps& result);
 

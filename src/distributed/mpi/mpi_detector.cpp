@@ -183,6 +183,8 @@ CRUMPLE_FIND(LocalMesh, ProximityQuery)
 CRUMPLE_FIND(LocalWorld, IntersectionQuery)
 CRUMPLE_FIND(LocalWorld, ImpactQuery)
 CRUMPLE_FIND(LocalWorld, ProximityQuery)
+CRUMPLE_FIND(LocalMesh, OverlapQuery)
+CRUMPLE_FIND(LocalWorld, OverlapQuery)
 
 void Detector::set_poll(std::function<void()> poll) {
     open().detector.set_poll(poll);
