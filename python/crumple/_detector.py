@@ -301,16 +301,18 @@ class Detector(_core.Detector):
     def stream(self, scene: Any, query: Query, take: Callable[[Any], Any], *, block_rows: int = 1 << 18) -> Statistics:
         """Delivers the result in blocks: for results that exceed memory.
 
-        For intersections, impacts, proximities and candidates of meshes and worlds in host memory, with the cpu and the
-        reference backend.
+        For intersections, impacts, proximities, candidates and overlaps of meshes and worlds in host memory, with the
+        cpu and the reference backend, for overlaps with all backends.
 
         Parameters
         ----------
         scene, query
             As for `find`. The query must not have `index`, `triangle_pairs` or `least`, and its `output` must be
-            "pairs" or more.
+            "pairs" or more, of overlaps "body_pairs" or more.
         take : callable
-            Called as `take(block)`. A block is a result of the type that `find` returns, with rows only. An exception
+            Called as `take(block)`. A block is a result of the type that `find` returns, with rows only; of overlaps, it
+            also has `skipped`, `body_volume` and `is_solid` of the whole result, and is the only one if there are no
+            rows but one of these arrays. An exception
             from `take` ends the search. `take` may be called from different threads, but never from two at a time, and
             must not use this detector.
         block_rows : int, default 262144
@@ -329,8 +331,9 @@ class Detector(_core.Detector):
         Notes
         -----
         All blocks together have the rows of the whole result, in the order of the leaves (groups of triangles that are
-        searched together). This order does not depend on the number of threads. Cost: that of `find`. Memory: that of
-        `find` without its lists, plus about three blocks.
+        searched together), overlaps in the order of the whole result. The order does not depend on the number of
+        threads. Cost: that of `find`; overlaps of bodies with themselves are computed twice if they have a row. Memory:
+        that of `find` without its lists, plus about three blocks.
         """
         scene = scene_of(scene)
         query = checked_query(scene, query)

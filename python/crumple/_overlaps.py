@@ -227,6 +227,8 @@ class Overlaps(Result):
     is_solid = bools("(bodies,) bool: True if all winding numbers of a body are 0 or 1; made with `body_volume`.")
 
     def _check(self, name: str) -> None:
+        if name == "world_hit" and self._request.block:
+            raise InvalidInput(f"{name} is part of a whole result, but this is one of its blocks")
         option = _OPTION.get(name)
         given = self._request.options
         of_mesh = option == "self_overlaps" and self._request.scene == "mesh"
@@ -305,4 +307,6 @@ class Overlaps(Result):
         rows = (
             f"{len(self)} {pairs} of bodies" if self._request.output in ("body_pairs", "pairs") else f"any: {self.any}"
         )
+        if self._request.block:
+            return f"<crumple.Overlaps: a block of {rows}>"
         return f"<crumple.Overlaps: {rows}, {self.statistics.milliseconds:.3g} ms>"

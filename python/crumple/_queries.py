@@ -463,7 +463,7 @@ class OverlapQuery(Query):
     filter: PairFilter = PairFilter()
 
     _call: ClassVar[str] = "overlaps"
-    _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports", "any"})
+    _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports", "any", "stream"})
 
     def __post_init__(self) -> None:
         """Replaces the directions by an immutable copy."""

@@ -1,16 +1,17 @@
 """Classes of crumple.mpi: local meshes and worlds that each rank provides, and results.
 
-They are LocalMesh and LocalWorld, and Intersections, Impacts and Proximities.
+They are LocalMesh and LocalWorld, and Intersections, Impacts, Proximities and Overlaps.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from . import _features, _intersections, _mpi
+from . import _features, _intersections, _mpi, _overlaps
 from ._errors import InvalidInput, InvalidType
 from ._mesh import Mesh, mesh_of
 from ._results import Request, Result, int32
+from ._scene import options_in_result
 from ._world import World
 
 
@@ -184,14 +185,37 @@ class Proximities(_Features, _features.Proximities):
     """Local rows of near pairs: those whose first feature belongs to this rank, in order."""
 
 
-for _public in (LocalMesh, LocalWorld, Intersections, Impacts, Proximities):
+class Overlaps(_OfRank, _overlaps.Overlaps):
+    """Local rows of overlaps: those whose first body this rank has provided, in order, with all of their lists.
+
+    `len(result)` is the number of local rows, and `count` the number of rows of all ranks. `body_volume` and `is_solid`
+    are about the local bodies, in their order; `skipped` has those of the skipped bodies that are local.
+    """
+
+    def _check(self, name: str) -> None:
+        if name == "world_hit":
+            raise InvalidInput(f"{name} is not supported on ranks")
+        super()._check(name)
+
+    def __len__(self) -> int:
+        """Number of local rows."""
+        return len(self._found.bodies)
+
+    def __repr__(self) -> str:
+        found = f"{len(self)} pairs of bodies on this rank, {self._found.count} over all ranks"
+        if self._request.output in ("any", "any_by_world"):
+            found = f"any: {self.any}"
+        return f"<crumple.mpi.Overlaps: {found}, {self.statistics.milliseconds:.3g} ms>"
+
+
+for _public in (LocalMesh, LocalWorld, Intersections, Impacts, Proximities, Overlaps):
     _public.__module__ = "crumple.mpi"
-_RESULTS = {"intersections": Intersections, "impacts": Impacts, "proximities": Proximities}
+_RESULTS = {"intersections": Intersections, "impacts": Impacts, "proximities": Proximities, "overlaps": Overlaps}
 
 
 def show(found: Any, query: Any, of_world: bool) -> Any:
     """Makes the result of a query from the result of the extension module, `found`."""
     listed = query.output in ("pairs", "contacts")
-    options = frozenset({"closest"} if listed and getattr(query, "closest", False) else ())
+    options = options_in_result(query) if listed else frozenset()
     request = Request("world" if of_world else "mesh", of_world, query.output, options, (), False, False)
     return _RESULTS[query._call](found, request)

@@ -208,10 +208,15 @@ def _request_of(query: Any, kind: str, copy: bool, block: bool) -> Request:
     of_bodies = kind == "world" or (kind == "meshes" and not isinstance(query, IntersectionQuery))
     output = getattr(query, "output", "pairs")
     listed = output in ("pairs", "contacts")
-    options = frozenset(name for name in _OPTIONS if listed and getattr(query, name, False))
+    options = options_in_result(query) if listed else frozenset()
     if getattr(query, "containment", False):
         options |= {"containment"}
     return Request(kind, of_bodies, output, options, getattr(query, "kinds", ()), copy, block)
+
+
+def options_in_result(query: Any) -> frozenset[str]:
+    """Returns the names of the options of a query that add attributes to its result."""
+    return frozenset(name for name in _OPTIONS if getattr(query, name, False))
 
 
 def _kept(scene: Any, kind: str) -> tuple[Any, ...]:

@@ -3,7 +3,7 @@
 Each rank provides some of the triangles, with all of their vertices, and gets the pairs whose first triangle it has
 provided. The rows of all ranks, merged, are the same bytes as the rows of crumple.Detector.intersections for the whole
 scene. `impacts` and `proximities` do the same for motion and nearness. Instead of triangles, ranks may provide bodies
-(World). As in crumple.Detector, `find(share, query)` is the basic call.
+(World), whose overlaps `overlaps` finds. As in crumple.Detector, `find(share, query)` is the basic call.
 
 Raises
 ------
@@ -39,6 +39,7 @@ from ._queries import (
     FuzzyCMeans,
     ImpactQuery,
     IntersectionQuery,
+    OverlapQuery,
     ProximityQuery,
     Query,
     check_fuzzy_c_means,
@@ -58,13 +59,23 @@ except ModuleNotFoundError as error:
     raise ImportError(f"crumple.mpi needs mpi4py: {error}") from error
 
 from . import _mpi  # imported after mpi4py, which decides how MPI is loaded
-from ._ranks import Impacts, Intersections, LocalMesh, Proximities, LocalWorld, excluded_of_ranks, share_of, show
+from ._ranks import (
+    Impacts,
+    Intersections,
+    LocalMesh,
+    LocalWorld,
+    Overlaps,
+    Proximities,
+    excluded_of_ranks,
+    share_of,
+    show,
+)
 
 Statistics = _mpi.Statistics
 Returned = TypeVar("Returned")
 Method = TypeVar("Method", bound=Callable[..., Any])
 
-__all__ = ["Detector", "Impacts", "Intersections", "LocalMesh", "LocalWorld", "Proximities", "Statistics"]
+__all__ = ["Detector", "Impacts", "Intersections", "LocalMesh", "LocalWorld", "Overlaps", "Proximities", "Statistics"]
 
 
 def _check_library() -> None:
@@ -247,12 +258,12 @@ class Detector:
         ----------
         share : LocalMesh or LocalWorld
             Local mesh or bodies of this rank.
-        query : IntersectionQuery, ImpactQuery or ProximityQuery, default IntersectionQuery()
-            The same on all ranks.
+        query : IntersectionQuery, ImpactQuery, ProximityQuery or OverlapQuery, default IntersectionQuery()
+            The same on all ranks. An OverlapQuery needs a LocalWorld.
 
         Returns
         -------
-        Intersections, Impacts or Proximities
+        Intersections, Impacts, Proximities or Overlaps
             Rows whose first triangle, first feature or first body belongs to this rank. If `output` is less than
             "pairs", there are no rows. "any_by_world" is the same as "any", because all ranks share one world.
 
@@ -263,14 +274,16 @@ class Detector:
 
         Notes
         -----
-        The pair filter may select bodies (with World.self_collisions) or groups, not both. Excluded bodies are ids over
-        all ranks, as (n, 2) integers. Not supported: `edges` and `points`, radii, rest shapes, rings, least distances,
-        pairs of triangles, and `index`.
+        The pair filter may select bodies (with World.self_collisions) or groups, not both, except for overlaps.
+        Excluded bodies are ids over all ranks, as (n, 2) integers. Not supported: `edges` and `points`, radii, rest
+        shapes, rings, least distances, pairs of triangles, and `index`.
 
         Arrays must be in host memory. If the cuda backend is used, the arrays of a mesh, except for ids, may all be on
         the rank's device (options["device"]); they are then downloaded first. They must not change until the call
         returns. There may be at most 2^31 - 1 triangles, and as many vertices, over all ranks. The scene is divided
-        into parts for one query: a different minimum distance, or another type of query, makes new parts.
+        into parts for one query: a different minimum distance, or another type of query, makes new parts. For overlaps
+        it is not divided: each pair of bodies is searched by one rank, and the bodies that it lacks are sent to it in
+        each call.
 
         Cost: see Detector. The statistics of the result show what was sent, and how well the load was balanced.
 
@@ -422,6 +435,34 @@ class Detector:
             lambda: share_of(scene_of(vertices, faces, groups=groups), *ids), lambda: query_of(ProximityQuery, options)
         )
 
+    @_in_call
+    @keywords_of(OverlapQuery)
+    def overlaps(self, world: Any, *, body_ids: Any = None, **options: Any) -> Overlaps:
+        """Finds the overlap of each pair of closed bodies: `find` with an OverlapQuery. Collective.
+
+        Parameters
+        ----------
+        world : World
+            Bodies of this rank.
+        body_ids : array_like of int64, optional
+            As for LocalWorld.
+        **options
+            Members of the OverlapQuery.
+
+        Returns
+        -------
+        Overlaps
+            Each row is on the rank that provided its first body.
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`.
+        """
+        return self._find(
+            lambda: share_of(scene_of(world), None, None, body_ids), lambda: query_of(OverlapQuery, options)
+        )
+
     def set_progress(self, show: Callable[[str, int, int], Any] | None) -> None:
         """Sets a function that reports the progress of calls on this rank. Not collective.
 
@@ -489,7 +530,7 @@ class Detector:
                 raise InvalidType(f"share must be a LocalMesh or a LocalWorld, not {kind}", element="option")
             scene: Any = brought._scene()
             request = checked_query(scene, request)
-            if not isinstance(request, (IntersectionQuery, ImpactQuery, ProximityQuery)):
+            if not isinstance(request, (IntersectionQuery, ImpactQuery, ProximityQuery, OverlapQuery)):
                 raise InvalidInput(f"{type(request).__name__} is not supported on ranks: see docs/supported.md")
             excluded = excluded_of_ranks(request.filter.excluded_bodies)
             arguments = brought._borrow(ranks, scene), getattr(_mpi, type(request).__name__)(request, excluded)

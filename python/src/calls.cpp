@@ -114,6 +114,7 @@ std::int64_t rows_of(const Block& block) {
     return rows;
 }
 std::int64_t rows_of(const Intersections& block) { return static_cast<std::int64_t>(block.pairs.size()); }
+std::int64_t rows_of(const Overlaps& block) { return static_cast<std::int64_t>(block.bodies.size()); }
 
 /// Runs a streamed search. Calls the Python function `take` with a copy of each block, with the GIL.
 template <class Query>
@@ -175,6 +176,7 @@ void bind_calls(nb::class_<SharedDetector>& detector) {
     bind_find<DistanceQuery>(detector, "distances");
     bind_find<OverlapQuery>(detector, "overlaps");
     bind_any<OverlapQuery>(detector, "overlaps");
+    bind_stream<OverlapQuery>(detector, "overlaps");
     bind_find<FirstImpactQuery>(detector, "first_impact");
     bind_find<FreeStepQuery>(detector, "free_step");
 }

@@ -7,6 +7,7 @@
 
 #include "held_binding.h"
 #include "names.h"
+#include "overlap_binding.h"
 #include "pickling.h"
 #include "views.h"
 
@@ -240,89 +241,7 @@ void bind_overlaps(nb::module_& module) {
     Binding<R> result(module, "Overlaps", "Storage of a crumple.Overlaps.");
     result.value("any", [](const R& r) { return r.any; });
     result.value("count", [](const R& r) { return r.count; });
-    result.array<bool>(
-        "world_hit", [](const R& r) -> auto& { return r.world_hit; });
-    result.array<std::int32_t>(
-        "bodies", [](const R& r) -> auto& { return r.bodies; }, 2U);
-    result.array<std::int32_t>(
-        "skipped", [](const R& r) -> auto& { return r.skipped; });
-    result.array<std::uint8_t>(
-        "relation", [](const R& r) -> auto& { return r.relation; });
-    const auto numbers = [&](const char* name, auto member, auto... columns) {
-        result.array<double>(
-            name, [member](const R& r) -> auto& { return r.*member; }, columns...);
-    };
-    numbers("volume", &R::volume);
-    numbers("centroid", &R::centroid, 3U);
-    numbers("area_vector", &R::area_vector, 3U);
-    numbers("normal", &R::normal, 3U);
-    numbers("mean_depth", &R::mean_depth);
-    numbers("torque", &R::torque, 3U);
-    numbers("contact_area", &R::contact_area);
-    numbers("gradient", &R::gradient, 3U);
-    numbers("body_volume", &R::body_volume);
-    result.array<std::int64_t>(
-        "gradient_offsets", [](const R& r) -> auto& { return r.gradient_offsets; });
-    result.array<std::int32_t>(
-        "gradient_vertices", [](const R& r) -> auto& { return r.gradient_vertices; }, 2U);
-    result.array<std::int64_t>(
-        "curve_offsets", [](const R& r) -> auto& { return r.curve_offsets; });
-    result.array<bool>(
-        "curve_closed", [](const R& r) -> auto& { return r.curve_closed; });
-    numbers("curve_area_vector", &R::curve_area_vector, 3U);
-    numbers("curve_torque", &R::curve_torque, 3U);
-    result.array<std::int64_t>(
-        "curve_point_offsets", [](const R& r) -> auto& { return r.curve_point_offsets; });
-    numbers("curve_points", &R::curve_points, 3U);
-    result.array<std::int32_t>(
-        "curve_triangles", [](const R& r) -> auto& { return r.curve_triangles; }, 2U);
-    result.array<std::int64_t>(
-        "winding_offsets", [](const R& r) -> auto& { return r.winding_offsets; });
-    result.array<std::int32_t>(
-        "winding_vertices", [](const R& r) -> auto& { return r.winding_vertices; }, 2U);
-    result.array<std::int32_t>(
-        "windings", [](const R& r) -> auto& { return r.windings; });
-    result.array<bool>(
-        "is_solid", [](const R& r) -> auto& { return r.is_solid; });
-    numbers("torque_point", &R::torque_point, 3U);
-    numbers("box", &R::box, 6U);
-    numbers("thickness", &R::thickness);
-    result.array<std::int64_t>(
-        "depth_offsets", [](const R& r) -> auto& { return r.depth_offsets; });
-    result.array<std::int32_t>(
-        "depth_vertices", [](const R& r) -> auto& { return r.depth_vertices; }, 2U);
-    numbers("depths", &R::depths);
-    numbers("depth_points", &R::depth_points, 3U);
-    result.array<std::int32_t>(
-        "depth_triangles", [](const R& r) -> auto& { return r.depth_triangles; });
-    result.array<std::int64_t>(
-        "deepest", [](const R& r) -> auto& { return r.deepest; });
-    numbers("depth_reached", &R::depth_reached);
-    numbers("depth_bound", &R::depth_bound);
-    numbers("union_volume", &R::union_volume);
-    numbers("intersection_over_union", &R::intersection_over_union);
-    numbers("difference_volume", &R::difference_volume, 2U);
-    numbers("withdrawals", &R::withdrawals);
-    numbers("translation_low", &R::translation_low);
-    numbers("translation_high", &R::translation_high);
-    numbers("translation", &R::translation, 3U);
-    result.array<std::int64_t>(
-        "region_offsets", [](const R& r) -> auto& { return r.region_offsets; });
-    numbers("region_volume", &R::region_volume);
-    numbers("region_centroid", &R::region_centroid, 3U);
-    numbers("region_area_vector", &R::region_area_vector, 3U);
-    numbers("region_normal", &R::region_normal, 3U);
-    numbers("region_mean_depth", &R::region_mean_depth);
-    numbers("region_thickness", &R::region_thickness);
-    numbers("region_box", &R::region_box, 6U);
-    result.array<bool>(
-        "region_is_contact", [](const R& r) -> auto& { return r.region_is_contact; });
-    result.array<bool>(
-        "region_is_merged", [](const R& r) -> auto& { return r.region_is_merged; });
-    result.array<std::int32_t>(
-        "region_pieces", [](const R& r) -> auto& { return r.region_pieces; }, 2U);
-    result.array<std::int64_t>(
-        "curve_regions", [](const R& r) -> auto& { return r.curve_regions; });
+    bind_overlap_arrays(result, [](const R& r) -> const Overlaps& { return r; });
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ from mpi_local_meshes import (
     COMM,
     ONE,
     RankMesh,
+    RankWorld,
     all_on_the_last,
     blocks,
     bodies_by_turns,
@@ -54,6 +55,76 @@ def intersections_match_a_single_detector():
                     check_rows(detector.find(local, query), local, expected)
                     assert detector.find(local, replace(query, output="count")).count == len(expected)
                     assert detector.any(local, query) is bool(expected)
+
+
+def boxes(distribution, opened=None):
+    """Returns boxes in a row, each of which overlaps the next ones. A triangle of the box `opened` is missing."""
+    corners = np.indices((2, 2, 2)).reshape(3, 8).T.astype(float)
+    sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    faces = np.array([face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))])
+    shapes = [crumple.Shape(crumple.Mesh(corners, faces[1:] if b == opened else faces)) for b in range(8)]
+    poses = np.tile(np.eye(3, 4), (8, 1, 1))
+    poses[:, 0, 3] = 0.375 * np.arange(8)
+    poses[:, 1, 3] = 0.25 * (np.arange(8) % 2)
+    return RankWorld(shapes, distribution, poses, poses)
+
+
+EVERYTHING = dict(
+    self_overlaps=True,
+    gradient=True,
+    curves=True,
+    windings=True,
+    depths=True,
+    depth_tolerance=0.1,
+    directions=[(0, 0, 1)],
+    translation=True,
+    unions=True,
+    regions=True,
+)
+LISTS = ("gradient", "curve", "curve_point", "winding", "depth", "region")
+
+
+def overlaps_match_a_single_detector():
+    one = crumple.Detector(**ONE)
+    for distribution in (bodies_by_turns, bodies_of_the_last):
+        local = boxes(distribution)
+        expected = one.overlaps(local.whole, **EVERYTHING)
+        assert len(expected) > 10
+        mine = local.rows(expected.bodies)
+        with crumple.mpi.Detector(COMM, **ONE) as detector:
+            found = detector.overlaps(local.world, body_ids=local.body_ids, **EVERYTHING)
+            query = crumple.OverlapQuery(**EVERYTHING)
+            assert detector.find(local, query).volume.tobytes() == found.volume.tobytes()
+            assert found.count == len(expected) and len(found) == mine.sum() and bool(found) and found.any
+            for name in ("bodies", "relation", "volume", "normal", "torque", "depth_bound", "translation_low", "box"):
+                assert getattr(found, name).tobytes() == getattr(expected, name)[mine].tobytes(), name
+            for name in LISTS[:2] + LISTS[3:]:
+                counts = np.diff(getattr(expected, f"{name}_offsets"))
+                np.testing.assert_array_equal(np.diff(getattr(found, f"{name}_offsets")), counts[mine], name)
+            rows = np.repeat(mine, np.diff(expected.depth_offsets))
+            assert found.depths.tobytes() == expected.depths[rows].tobytes()
+            np.testing.assert_array_equal(found.depth_vertices, expected.depth_vertices[rows])
+            points = [curve for curves, row in zip(expected.curves, mine) if row for curve in curves]
+            assert np.concatenate([*points, np.zeros((0, 3))]).tobytes() == found.curve_points.tobytes()
+            np.testing.assert_array_equal(found.body_volume, expected.body_volume[local.body_ids])
+            assert found.is_solid.tolist() == [True] * len(local.body_ids)
+            assert repr(found).startswith(f"<crumple.mpi.Overlaps: {mine.sum()} pairs of bodies on this rank, ")
+            assert "not supported on ranks" in str(error_of(getattr, found, "world_hit"))
+            assert detector.any(local, query) and detector.find(local, replace(query, output="any")).any
+            some = detector.find(local, replace(query, output="body_pairs"))
+            np.testing.assert_array_equal(some.bodies, found.bodies)
+            assert 'output="pairs"' in str(error_of(getattr, some, "volume"))
+
+
+def overlaps_of_open_bodies_and_meshes_are_refused_on_all_ranks():
+    local = boxes(bodies_by_turns, opened=3)
+    with crumple.mpi.Detector(COMM, **ONE) as detector:
+        error = error_of(detector.overlaps, local.world, body_ids=local.body_ids)
+        assert "body 3: its surface is not closed" in str(error) and error.index == 3, error
+        found = detector.overlaps(local.world, body_ids=local.body_ids, open="skip")
+        assert found.skipped.tolist() == [3] * (3 in local.body_ids) and 3 not in found.bodies
+        error = error_of(detector.overlaps, cloth())
+        assert "overlaps of whole bodies only: pass a LocalWorld" in str(error), error
 
 
 def impacts_match_a_single_detector():

@@ -192,6 +192,28 @@ def test_withdrawals_along_directions_and_bounds_on_translations(detector):
     assert detector.overlaps(UNIT, box([3, 0, 0]), directions=directions).withdrawals.tolist() == []
 
 
+@pytest.mark.parametrize("backend", ["cpu", "reference"])
+@pytest.mark.parametrize("block_rows", [1, 4, 1000])
+def test_blocks_follow_each_other_as_in_the_whole_result(backend, block_rows):
+    detector = crumple.Detector(backend=backend, threads=1)
+    world = crumple.World([crumple.Shape(box([0.375 * b, 0.25 * (b % 2), 0])) for b in range(7)])
+    query = crumple.OverlapQuery(curves=True, regions=True, self_overlaps=True)
+    whole, blocks = detector.find(world, query), []
+    assert detector.stream(world, query, blocks.append, block_rows=block_rows).pairs == len(whole) > 8
+    assert [len(block) for block in blocks[:-1]] == [block_rows] * (len(blocks) - 1)
+    for name in ("bodies", "volume", "normal", "curve_points", "curve_triangles", "region_volume"):
+        joined = np.concatenate([getattr(block, name) for block in blocks])
+        assert joined.tobytes() == getattr(whole, name).tobytes(), name
+    first = blocks[0]
+    assert all(block.curve_offsets[0] == 0 and block.body_volume.tolist() == [1] * 7 for block in blocks)
+    assert [len(curves) for curves in first.curves] == [len(curves) for curves in whole.curves[: len(first)]]
+    assert repr(first) == f"<crumple.Overlaps: a block of {len(first)} pair{'s' * (len(first) > 1)} of bodies>"
+    with pytest.raises(crumple.InvalidInput, match="world_hit is part of a whole result"):
+        first.world_hit  # noqa: B018
+    with pytest.raises(crumple.InvalidInput, match="output must be body_pairs or pairs: blocks list them"):
+        detector.stream(world, crumple.OverlapQuery(output="any"), blocks.append)
+
+
 def test_error_explains_how_to_request_a_missing_array(detector):
     found = detector.overlaps(UNIT, UNIT, output="body_pairs")
     with pytest.raises(crumple.InvalidInput, match=r'volume was not requested: OverlapQuery\(output="pairs"\)'):

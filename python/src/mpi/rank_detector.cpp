@@ -249,6 +249,7 @@ void bind_rank_detector(nb::module_& module) {
     bind_query<IntersectionQuery>(module, detector, "IntersectionQuery");
     bind_query<ImpactQuery>(module, detector, "ImpactQuery");
     bind_query<ProximityQuery>(module, detector, "ProximityQuery");
+    bind_query<OverlapQuery>(module, detector, "OverlapQuery");
 }
 
 }  // namespace crumple::python

@@ -9,6 +9,7 @@
 
 #include "held_binding.h"
 #include "names.h"
+#include "overlap_binding.h"
 
 namespace nb = nanobind;
 
@@ -23,7 +24,7 @@ void bind_statistics(nb::module_& module) {
             "phase_milliseconds", [](const S& s) { return milliseconds_by_name<Phase>(s, phase_count, phase_name); },
             "Milliseconds by phase, with the communication at the end of each: query, input, ids, place,\n"
             "members, room, search, rows, output.")
-        .def_ro("parts", &S::parts, "Number of parts that this rank has searched.")
+        .def_ro("parts", &S::parts, "Number of parts that this rank has searched; for overlaps, of pairs of bodies.")
         .def_ro("members", &S::members, "Triangles of these parts, counted once per part.")
         .def_ro("bytes_sent", &S::bytes_sent, "Bytes sent to other ranks.")
         .def_ro("messages", &S::messages, "Number of messages to other ranks.")
@@ -110,6 +111,8 @@ void bind_rank_results(nb::module_& module) {
     impacts.value("first", [](const DistributedImpacts& r) { return tuple_of(r.first); });
     Binding<DistributedProximities> proximities(module, "Proximities", "Storage of a crumple.mpi.Proximities.");
     bind_features(proximities, "squared_distance", "touching");
+    Binding<DistributedOverlaps> overlaps(module, "Overlaps", "Storage of a crumple.mpi.Overlaps.");
+    bind_overlap_arrays(overlaps, [](const DistributedOverlaps& r) -> const Overlaps& { return r.rows; });
 }
 
 }  // namespace crumple::python
