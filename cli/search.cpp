@@ -342,7 +342,8 @@ std::string in_words_of_options(std::string message) {
 
 /// Returns the message with its origin. Replaces "body 7: " at its start by the file, the configuration and the name of
 /// that body; puts the names of all files in front of any other message.
-std::string with_origin(const std::string& message, const BodyOrigins& origins, std::int64_t first_configuration) {
+std::string message_with_origin(const std::string& message, const BodyOrigins& origins,
+                                std::int64_t first_configuration) {
     constexpr std::string_view title = "body ";
     const std::size_t count = origins.names.size();
     std::size_t body = 0;
@@ -361,14 +362,20 @@ std::string with_origin(const std::string& message, const BodyOrigins& origins, 
 
 }  // namespace
 
+Error with_origin(const Error& error, const BodyOrigins& origins, std::int64_t first_configuration) {
+    Error named(error.code, message_with_origin(in_words_of_options(error.what()), origins, first_configuration),
+                error.element, error.index, error.bytes_needed, error.system_error);
+    named.rank = error.rank;
+    return named;
+}
+
 template <class Query>
 const typename Query::Result& SearchSession::find(const BodyOrigins& origins, std::int64_t first_configuration,
                                                   const World& world, const Query& query) {
     try {
         return detector_.find(world, query);
     } catch (const Error& error) {
-        throw Error(error.code, with_origin(in_words_of_options(error.what()), origins, first_configuration),
-                    error.element, error.index, error.bytes_needed, error.system_error);
+        throw with_origin(error, origins, first_configuration);
     }
 }
 

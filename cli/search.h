@@ -89,6 +89,10 @@ struct BodyOrigins {
     std::vector<std::string> names, file_of_body;
 };
 
+/// Returns an error about a world with the name of the body that it concerns, with its file and configuration, or else
+/// with the names of all files. `first_configuration`: as for SearchSession::find.
+Error with_origin(const Error& error, const BodyOrigins& origins, std::int64_t first_configuration);
+
 class AllowedThreads;
 
 /// Detector with the options of the command line. If inputs follow each other, each search is warm-started: it begins

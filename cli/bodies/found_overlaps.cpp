@@ -123,38 +123,75 @@ void add_overlap_parts(CLI::App& app, OverlapOptions& options) {
         ->allow_extra_args(false);
 }
 
+namespace {
+
+/// Collects results of searches in one configuration or in many.
+class Collected {
+   public:
+    Collected(const BodyScene& scene, const OverlapOptions& options, Output output)
+        : scene_(scene), bodies_(static_cast<std::int32_t>(scene.names().size())) {
+        result_.list.has_configurations = !options.bodies.poses.empty();
+        result_.list.has_numbers = output == Output::pairs;
+        for (const auto& direction : options.directions)
+            result_.list.directions.insert(result_.list.directions.end(), direction.begin(), direction.end());
+    }
+    void add(const Overlaps& found, std::size_t first_configuration) {
+        for (const std::int32_t body : found.skipped) skipped_.insert(body % bodies_);
+        result_.any = result_.any || found.any;
+        result_.list.add(found, bodies_, static_cast<std::int32_t>(first_configuration));
+        result_.has_overlaps.insert(result_.has_overlaps.end(), found.world_hit.begin(), found.world_hit.end());
+        cli::add(result_.statistics, found.statistics);
+    }
+    bool any() const { return result_.any; }
+    /// Prints which bodies were skipped, and returns the result.
+    FoundOverlaps finish() {
+        scene_.print_skipped(skipped_, "left out");
+        return std::move(result_);
+    }
+
+   private:
+    const BodyScene& scene_;
+    std::int32_t bodies_;
+    FoundOverlaps result_;
+    std::set<std::int32_t> skipped_;
+};
+
+void check_has_bodies(const BodyScene& scene) {
+    if (scene.names().empty()) refuse("overlap needs bodies; " + scene.origins().files + " holds none");
+}
+
+}  // namespace
+
+OverlapQuery overlap_query(const BodyScene& scene, const OverlapOptions& options, Output output) {
+    check_has_bodies(scene);
+    return query_of(options, output, scene, 1);
+}
+
+FoundOverlaps found_of(const Overlaps& overlaps, const BodyScene& scene, const OverlapOptions& options, Output output) {
+    Collected collected(scene, options, output);
+    collected.add(overlaps, 0);
+    return collected.finish();
+}
+
 FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const OverlapOptions& options,
                             Output output) {
-    if (scene.names().empty()) refuse("overlap needs bodies; " + scene.origins().files + " holds none");
-    const auto bodies = static_cast<std::int32_t>(scene.names().size());
-    const bool has_configurations = !options.bodies.poses.empty();
-    FoundOverlaps result;
-    result.list.has_configurations = has_configurations;
-    result.list.has_numbers = output == Output::pairs;
-    for (const auto& direction : options.directions)
-        result.list.directions.insert(result.list.directions.end(), direction.begin(), direction.end());
-    std::set<std::int32_t> skipped;
-    const auto take = [&](const Overlaps& found, std::size_t first, std::size_t) {
-        for (const std::int32_t body : found.skipped) skipped.insert(body % bodies);
-        result.any = result.any || found.any;
-        result.list.add(found, bodies, static_cast<std::int32_t>(first));
-        result.has_overlaps.insert(result.has_overlaps.end(), found.world_hit.begin(), found.world_hit.end());
-        add(result.statistics, found.statistics);
-        return output != Output::any || !result.any;
-    };
-    if (has_configurations) {
+    check_has_bodies(scene);
+    if (!options.bodies.poses.empty()) {
+        Collected collected(scene, options, output);
         scene.search_all(
             search, scene.read_poses(options.bodies.poses), false,
-            [&](std::size_t count) { return query_of(options, output, scene, count); }, take);
-        scene.print_skipped(skipped, "left out");
-        return result;
+            [&](std::size_t count) { return query_of(options, output, scene, count); },
+            [&](const Overlaps& found, std::size_t first, std::size_t) {
+                collected.add(found, first);
+                return output != Output::any || !collected.any();
+            });
+        return collected.finish();
     }
     const io::WorldView view = scene.mesh().view();
     const std::vector<Body> all = scene.bodies(1, false);
     const World world{view.shapes, all, view.poses};
-    take(search.find(scene.origins(), -1, world, query_of(options, output, scene, 1)), 0, 1);
-    scene.print_skipped(skipped, "left out");
-    return result;
+    return found_of(search.find(scene.origins(), -1, world, query_of(options, output, scene, 1)), scene, options,
+                    output);
 }
 
 void write_text(std::ostream& out, const io::OverlapList& list, const io::OverlapBodies& bodies) {

@@ -38,6 +38,10 @@ struct FoundOverlaps {
 /// Finds the overlaps. Throws Error if the world has no body, and as SearchSession::find() does.
 FoundOverlaps find_overlaps(SearchSession& search, const BodyScene& scene, const OverlapOptions& options,
                             Output output);
+/// Returns the query for the one configuration of the files. Throws Error if the world has no body.
+OverlapQuery overlap_query(const BodyScene& scene, const OverlapOptions& options, Output output);
+/// Returns the result of such a query that has been found elsewhere, and prints which bodies were skipped.
+FoundOverlaps found_of(const Overlaps& overlaps, const BodyScene& scene, const OverlapOptions& options, Output output);
 
 /// Writes a sentence for each row: "lid and pot overlap: volume 0.5 mm^3, mean depth 0.1 mm, normal (0 0 1)".
 /// Below it, lines for depths, withdrawals and regions, if the list has them.

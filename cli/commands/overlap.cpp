@@ -1,11 +1,14 @@
 // crumple overlap: finds how much the bodies of a world overlap, where, and in which direction they separate fastest.
 
 #include <memory>
+#include <optional>
 #include <type_traits>
 
 #include "cli/bodies/body_lists.h"
 #include "cli/bodies/found_overlaps.h"
 #include "cli/commands.h"
+#include "cli/ranks/rank_overlaps.h"
+#include "cli/ranks/ranks.h"
 #include "cli/search_command.h"
 #include "cli/statistics_table.h"
 #include "cli/steps.h"
@@ -118,8 +121,52 @@ struct OverlapCommand : SearchCommand {
                            grouped(std::ssize(found.has_overlaps)), found.statistics.milliseconds);
     }
 
+    /// Prints statistics, writes the result, and returns the exit status.
+    int finish(const BodyScene& scene, const FoundOverlaps& found, const Steps& steps) const {
+        if (stats) print_statistics(found.statistics, relations_of(found.list));
+        if (only_status()) return report(found.any, words_of_overlaps);
+        steps.begin("write");
+        write(scene, found);
+        const bool only_standard = !outputs.paths.empty() && !outputs.have_files();
+        if (!stats && (!found.any || !only_standard)) say(summary(found, scene.names().size()));
+        return check && found.any ? collided : done;
+    }
+
+    /// Each rank reads all files, and searches some of the pairs of bodies. Rank 0 writes.
+    int run_on_ranks() const {
+        if (!overlap.bodies.poses.empty()) refuse_on_ranks("--poses");
+        std::vector<std::string> inputs = files;
+        overlap.bodies.add_files(inputs);
+        for (const std::string& path : inputs)
+            if (is_standard(path)) refuse_on_ranks("standard input to overlap");
+        query_options.check();
+        check_cost_options(options);
+        const Steps steps(progress);
+        std::optional<BodyScene> scene;
+        std::optional<io::WorldView> view;
+        std::vector<Body> bodies;
+        const auto read = [&] {
+            check_outputs(outputs.paths, inputs, query_options);
+            steps.begin("read");
+            scene.emplace(files, query_options, overlap.bodies);
+            view.emplace(scene->mesh().view());
+            bodies = scene->bodies(1, false);
+            steps.begin("search");
+            return World{view->shapes, bodies, view->poses};
+        };
+        return overlaps_on_ranks({.options = feature_options(options),
+                                  .read = read,
+                                  .query = [&] { return overlap_query(*scene, overlap, output()); },
+                                  .named = [&](const Error& error) { return with_origin(error, scene->origins(), -1); },
+                                  .write =
+                                      [&](const Overlaps& found) {
+                                          return finish(*scene, found_of(found, *scene, overlap, output()), steps);
+                                      }});
+    }
+
     int run() const {
         check_options();
+        if (Ranks::count() > 1) return run_on_ranks();
         std::vector<std::string> inputs = files;
         overlap.bodies.add_files(inputs);
         check_standard_input(inputs);
@@ -130,13 +177,7 @@ struct OverlapCommand : SearchCommand {
         const BodyScene scene(files, query_options, overlap.bodies);
         steps.begin("search");
         const FoundOverlaps found = find_overlaps(search, scene, overlap, output());
-        if (stats) print_statistics(found.statistics, relations_of(found.list));
-        if (only_status()) return report(found.any, words_of_overlaps);
-        steps.begin("write");
-        write(scene, found);
-        const bool only_standard = !outputs.paths.empty() && !outputs.have_files();
-        if (!stats && (!found.any || !only_standard)) say(summary(found, scene.names().size()));
-        return check && found.any ? collided : done;
+        return finish(scene, found, steps);
     }
 };
 
@@ -184,12 +225,12 @@ Command add_overlap(CLI::App& app) {
         "moving the first body against it reduces the volume fastest. A body overlaps itself where it covers space\n"
         "twice. Bodies must be closed surfaces, counter-clockwise seen from outside; crumple info --open-edges lists\n"
         "where one is not closed. STL files and glTF scenes are welded; other files whose faces share no vertices\n"
-        "need --weld.\n\n"
+        "need --weld. Several MPI ranks share the pairs of bodies; --poses is not supported on ranks.\n\n"
         "Example: crumple overlap lid.stl pot.stl\n"
         "         crumple overlap lid.stl pot.stl -o overlap.html\n"
         "         crumple overlap lid.stl pot.stl --regions --depth-tolerance 0.01 --withdraw 0,0,1\n"
         "         crumple overlap robot.glb --excluded-bodies base,arm --min-volume 1e-9 -o overlaps.csv");
-    return {&command, [overlap] { return overlap->run(); }};
+    return {&command, [overlap] { return overlap->run(); }, true};
 }
 
 }  // namespace crumple::cli

@@ -1,9 +1,7 @@
 #include "cli/ranks/rank_search.h"
 
 #include <chrono>
-#include <exception>
 #include <functional>
-#include <new>
 #include <optional>
 #include <type_traits>
 #include <vector>
@@ -11,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.h"
+#include "cli/ranks/guarded_ranks.h"
 #include "cli/ranks/rank_input.h"
 #include "cli/ranks/rank_link.h"
 #include "cli/ranks/rank_lists.h"
@@ -42,26 +41,6 @@ void check_options(const SearchCommand& command) {
     }
     command.query_options.check();
     check_cost_options(command.options);
-}
-
-/// Returns the error without "rank 3: " in its message if the rank does not matter: for errors of rank 0, which does
-/// what a single process would do, and for errors in a file's contents, which do not depend on the rank.
-Error without_rank(const Error& error) {
-    const std::string who = "rank " + std::to_string(error.rank) + ": ", message = error.what();
-    if (!message.starts_with(who) || (error.rank > 0 && error.code != ErrorCode::format)) return error;
-    Error plain(error.code, message.substr(who.size()), error.element, error.index, error.bytes_needed,
-                error.system_error);
-    plain.rank = error.rank;
-    return plain;
-}
-
-/// Prints the message and aborts all ranks. For errors that were thrown on this rank only, which the other ranks would
-/// wait for forever.
-[[noreturn]] void abort_all_ranks(const char* message, int status) {
-    be_silent(false);
-    print_error(message);
-    MPI_Abort(MPI_COMM_WORLD, status);
-    std::exit(status);
 }
 
 /// Makes the detector print the phases of its calls as steps. `steps` must outlive these calls.
@@ -192,17 +171,10 @@ void refuse_on_ranks(const std::string& what) {
 template <class Query>
 int search_on_ranks(const SearchCommand& command, const std::vector<std::string>& files, const Query& query) {
     check_options(command);
-    try {
+    return guarded_on_ranks([&] {
         RankLink link;
         return search(link, command, files, query);
-    } catch (const Error& error) {
-        if (error.rank >= 0) throw without_rank(error);  // thrown on all ranks
-        abort_all_ranks(error.what(), failed);
-    } catch (const std::bad_alloc&) {
-        abort_all_ranks("the machine does not have enough memory", out_of_memory);
-    } catch (const std::exception& error) {
-        abort_all_ranks(error.what(), failed);
-    }
+    });
 }
 
 template int search_on_ranks(const SearchCommand&, const std::vector<std::string>&, const IntersectionQuery&);

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "io/bytes/bytes.h"
 #include "moving.h"
@@ -330,6 +331,49 @@ TEST_F(Ranks, ranks_fail_like_one_process) {
     EXPECT_EQ(ranks(2, "near five.off --radius 1 --memory-limit 1000").status, 3);
     EXPECT_TRUE(contains(ranks(2, "detect five.off --memory-limit 1000").err, "five.off: rank "));
     EXPECT_EQ(ranks(2, "detect five.off --memory-limit 1000").status, 3);
+}
+
+/// Returns a box in OFF, of edge length 1, with all or fewer of its triangles.
+std::string unit_box(double x, double y, int triangles = 12) {
+    std::ostringstream out;
+    out << "OFF\n8 " << triangles << " 0\n";
+    for (int v = 0; v < 8; ++v) out << x + (v & 1) << ' ' << y + (v >> 1 & 1) << ' ' << (v >> 2) << '\n';
+    constexpr std::array<const char*, 12> faces{"0 2 1", "1 2 3", "4 5 6", "5 7 6", "0 1 4", "1 5 4",
+                                                "2 6 3", "3 6 7", "0 4 2", "2 4 6", "1 3 5", "3 7 5"};
+    for (int t = 0; t < triangles; ++t) out << "3 " << faces[static_cast<std::size_t>(t)] << '\n';
+    return out.str();
+}
+
+TEST_F(Ranks, ranks_find_overlaps_of_bodies) {
+    std::string files;
+    for (int b = 0; b < 7; ++b) {
+        const std::string name = "box" + std::to_string(b) + ".off";
+        write(name, unit_box(0.375 * b, b % 2 * 0.25));
+        files += " " + name;
+    }
+    write("open.off", unit_box(0.5, 0, 11));
+    expect_same("overlap", files.substr(0, files.rfind(' ')) + " --min-volume 0.01 --excluded-bodies box0,box2");
+    expect_same("overlap", files + " open.off --open skip --self-overlaps");
+    const std::string parts = files + " --regions --depth-tolerance 0.01 --withdraw 0,0,1 -o NAME.txt -o NAME.npz";
+    const auto named = [&](std::string name) {
+        std::string text = "overlap" + parts;
+        for (std::size_t at; (at = text.find("NAME")) != text.npos;) text.replace(at, 4, name);
+        return text;
+    };
+    EXPECT_EQ(crumple(named("one")).status, 0);
+    EXPECT_EQ(ranks(3, named("ranks")).status, 0);
+    for (const std::string end : {".txt", ".npz"}) {
+        EXPECT_FALSE(read("one" + end).empty());
+        EXPECT_TRUE(read("ranks" + end) == read("one" + end)) << end;
+    }
+    EXPECT_EQ(ranks(2, "overlap --check" + files).status, 1);
+    EXPECT_EQ(ranks(2, "overlap --check box0.off box6.off").status, 0);
+    EXPECT_TRUE(contains(ranks(2, "overlap --stats" + files).err, "wall clock"));
+    expect_as_one_process("overlap box0.off open.off");
+    expect_as_one_process("overlap box0.off missing.off");
+    expect_as_one_process("overlap box0.off box1.off -o nowhere/a.csv");
+    expect_refused("overlap box0.off box1.off --poses p.npy", "--poses is not supported on several ranks");
+    expect_refused("overlap box0.off -", "standard input to overlap is not supported on several ranks");
 }
 
 TEST_F(Ranks, failure_before_writing_keeps_old_files_and_leaves_no_temporary_ones) {

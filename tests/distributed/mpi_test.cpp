@@ -18,6 +18,7 @@
 #include "crumple/crumple.h"
 #include "distributed/feature_rows.h"
 #include "distributed/last_frame.h"
+#include "distributed/rank_overlap_rows.h"
 #include "distributed/rank_worlds.h"
 #include "error_of.h"
 #include "io/files.h"
@@ -140,6 +141,28 @@ TEST_F(MpiRanks, bodies_match_a_single_detector) {
         EXPECT_TRUE(rows_are(found, piece, one.find(world, query))) << seed;
         EXPECT_TRUE(feature_rows_are(impacts, piece, one.find(world, ImpactQuery()))) << seed;
         EXPECT_TRUE(feature_rows_are(nearby, piece, one.find(world, near))) << seed;
+    }
+    detector.close();
+}
+
+TEST_F(MpiRanks, overlaps_match_a_single_detector) {
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    mpi::Detector detector(MPI_COMM_WORLD, one_thread());
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+        const ClosedBodies bodies = closed_bodies(seed, 9, seed % 2 == 0, false);
+        const WorldPiece piece(bodies.view(), every_distribution[seed % 4], rank, ranks);
+        const DistributedOverlaps found = detector.find(piece.share(), everything);
+        const bool any = detector.any(piece.share(), OverlapQuery());
+        const Overlaps& expected = one.find(bodies.view(), everything);
+        EXPECT_GT(expected.count, 3) << seed;
+        EXPECT_TRUE(overlaps_are(found, piece, expected)) << seed;
+        EXPECT_EQ(any, one.any(bodies.view(), OverlapQuery())) << seed;
+    }
+    try {
+        detector.find(LocalMesh(), OverlapQuery());
+        ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
     }
     detector.close();
 }
