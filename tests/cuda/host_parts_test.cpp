@@ -11,6 +11,7 @@
 #include "distances/compare_nearest.h"
 #include "error_of.h"
 #include "overlaps/closed_bodies.h"
+#include "overlaps/joined_rows.h"
 
 namespace crumple::test {
 namespace {
@@ -56,6 +57,23 @@ TEST(CudaHostParts, queries_about_bodies_match_the_cpu) {
         rows += compare(cuda, cpu, device.view(), bodies.view());
     }
     EXPECT_GT(rows, 20);
+}
+
+TEST(CudaHostParts, overlaps_in_blocks_match_the_cpu) {
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    for (unsigned seed = 0; seed < 4; ++seed) {
+        SCOPED_TRACE(seed);
+        const ClosedBodies bodies = bodies_of_worlds(seed);
+        const DeviceWorld device(bodies.view());
+        Overlaps expected = cpu.find(bodies.view(), everything);
+        expected.world_hit.clear(), expected.body_volume.clear(), expected.is_solid.clear();
+        for (const World& world : {bodies.view(), device.view()}) {
+            JoinedRows whole;
+            cuda.stream(
+                world, everything, [&](const Overlaps& block) { whole.add(block); }, 2);
+            EXPECT_EQ(difference(whole.result, expected), "");
+        }
+    }
 }
 
 TEST(CudaHostParts, two_meshes_match_the_cpu) {
