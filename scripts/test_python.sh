@@ -29,6 +29,9 @@ python=$environment/bin/python
 pip() { "$python" -m pip --disable-pip-version-check --quiet "$@"; }
 "$python" -c 'import hypothesis, meshio, nanobind, pytest, scikit_build_core, trimesh, xdist' 2>/dev/null ||
     pip install 'scikit-build-core>=0.11' 'nanobind>=3' numpy pytest pytest-xdist hypothesis trimesh meshio
+# Without its dependencies, which are packages for pictures and files that the tests do not need.
+"$python" -c 'import yourdfpy' 2>/dev/null || pip install --no-deps yourdfpy lxml six ||
+    echo "Left out, because pip cannot install it: yourdfpy" >&2
 if ((${#all[@]})); then
     for package in pyvista open3d jax warp-lang mypy pillow ipctk libigl meshlib trueform python-fcl scipy coal; do
         pip install "$package" || echo "Left out, because pip cannot install it: $package" >&2

@@ -27,6 +27,7 @@ PAGES = (
     "nearness.md",
     "given_pairs.md",
     "coming_from_ipc_toolkit.md",
+    "robots.md",
 )
 SECTIONS = [section for page in PAGES for section in sections(page)]
 

@@ -1,1 +1,6 @@
-"""Adapters for other packages: adapters.ipctk, which imports ipctk, and adapters.newton."""
+"""Adapters for other packages, which each module imports when it needs them.
+
+- adapters.ipctk: IPC Toolkit.
+- adapters.newton: lists of self-contacts for Newton.
+- adapters.urdf: robots from URDF files.
+"""

@@ -1,0 +1,514 @@
+"""Robots and obstacles: which configurations collide, how far apart bodies are, and which motions are free.
+
+A robot is a tree of joints with a mesh for each link. All methods take many configurations at once, and make a world of
+each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from .._arrays import host_array
+from .._detector import Detector
+from .._errors import InvalidInput, InvalidType
+from .._mesh import Mesh, Shape, as_mesh, constant_shape, is_mesh
+from .._queries import DistanceQuery, ImpactQuery, IntersectionQuery, PairFilter
+from .._world import World
+from ._kinematics import Joint, Tree
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["LinkPairs", "Obstacles", "Robot"]
+
+_WORLDS = 1 << 14  # worlds in one call of the detector: poses of a robot of ten links then take 16 MB
+_COARSE = 1 / 400  # share of the robot's reach by which the first pieces of a motion may deviate from it
+
+
+class LinkPairs(NamedTuple):
+    """Pairs of bodies that collide.
+
+    Attributes
+    ----------
+    configurations : (k,) ndarray of int64
+        Configuration of each pair, ascending.
+    bodies : (k, 2) ndarray of int32
+        Indices into `names`, the lower one first.
+    names : tuple of str
+        Names of all bodies: links, attached objects, then obstacles.
+    """
+
+    configurations: NDArray[np.int64]
+    bodies: NDArray[np.int32]
+    names: tuple[str, ...]
+
+    def of(self, configuration: int) -> list[tuple[str, str]]:
+        """Returns the names of the pairs that collide in a configuration."""
+        first, last = np.searchsorted(self.configurations, [configuration, configuration + 1])
+        return [(self.names[a], self.names[b]) for a, b in self.bodies[first:last].tolist()]
+
+
+class Obstacles:
+    """Bodies that do not move. Made once for many calls, because detectors cache data about them.
+
+    Parameters
+    ----------
+    bodies : mapping of str to mesh, or to (mesh, pose)
+        Bodies by name. A mesh is anything that as_mesh takes; a pose, (3, 4) or (4, 4), maps it to the frame of the
+        robot's base. Meshes are copied.
+    allowed : iterable of (str, str)
+        Pairs of a link and an obstacle that may collide.
+
+    Raises
+    ------
+    InvalidInput, InvalidType
+        If a mesh or a pose is invalid. Names the obstacle.
+
+    Notes
+    -----
+    A detector keeps cached data of obstacles as long as it exists, some 150 bytes per triangle.
+    """
+
+    def __init__(self, bodies: Mapping[str, Any], allowed: Iterable[tuple[str, str]] = ()) -> None:
+        self.names = tuple(bodies)
+        self.allowed = _pairs(allowed)
+        self._shapes = []
+        poses = [np.eye(3, 4)]
+        for name, body in bodies.items():
+            posed = isinstance(body, (tuple, list)) and len(body) == 2 and is_mesh(body[0])
+            mesh, pose = body if posed else (body, np.eye(3, 4))
+            self._shapes.append(_shape(as_mesh(mesh), f"obstacle {name!r}: "))
+            poses.append(_pose(pose, f"obstacle {name!r}"))
+        self._poses = np.array(poses[1:]).reshape(-1, 3, 4)
+
+    def __len__(self) -> int:
+        """Number of obstacles."""
+        return len(self.names)
+
+
+class Robot:
+    """Robot: a tree of joints, and a mesh for each link that can collide. `urdf.load` makes one from files.
+
+    Parameters
+    ----------
+    joints : sequence of Joint
+        Joints in any order.
+    meshes : mapping of str to mesh
+        Mesh of each link that can collide, in the link's frame. Copied.
+    allowed : iterable of (str, str)
+        Pairs of links that may collide (allowed collision matrix), in addition to adjacent ones.
+    limits : mapping of str to (float, float)
+        Lowest and highest value of joints; joints without an entry have none.
+    solid : bool, default True
+        True: a closed body inside another one collides with it; False: only surfaces collide.
+    tessellation_error : float, default 0
+        Attribute of this name.
+    base : str, optional
+        Link whose frame is that of obstacles; None: the link that is no child of a joint.
+    **options
+        Options of crumple.Detector.
+
+    Attributes
+    ----------
+    variables : tuple of str
+        Names of the joints whose values make a configuration: those that move and mimic no other.
+    links : tuple of str
+        Names of the links with a mesh, then of attached objects.
+    allowed : frozenset of frozenset of str
+        Pairs that may collide, adjacent ones included. Links are adjacent if a joint connects them, or a chain of
+        joints between links without meshes.
+    limits : (2, variables) ndarray of float64
+        Lowest and highest values; infinite for joints without limits.
+    tessellation_error : float
+        Upper bound on the distance of any point of a mesh from the primitive that the mesh replaces; 0 if it has no
+        round ones.
+    detector : Detector
+
+    Raises
+    ------
+    InvalidInput
+        If joints do not make a tree, or an argument is invalid.
+
+    Notes
+    -----
+    Poses are computed in float64, and so are rounded by some 1e-16 times the size of the robot. Everything after that
+    is exact for these poses, as docs/worlds.md states. Methods ignore limits.
+
+    In all methods, configurations have shape (..., variables), and results have the leading part of that shape.
+    Obstacles are given as Obstacles, or as a mapping as for Obstacles, which is then read in each call.
+    """
+
+    def __init__(
+        self,
+        joints: Iterable[Joint],
+        meshes: Mapping[str, Any],
+        allowed: Iterable[tuple[str, str]] = (),
+        *,
+        limits: Mapping[str, tuple[float, float]] | None = None,
+        solid: bool = True,
+        tessellation_error: float = 0.0,
+        base: str | None = None,
+        **options: Any,
+    ) -> None:
+        tree = Tree(list(joints), base)
+        unknown = [link for link in meshes if link != tree.base and link not in tree.parents]
+        if unknown:
+            raise InvalidInput(f"{unknown[0]!r} has a mesh but is no link of the robot")
+        given = limits or {}
+        bounds = [given.get(name, (-np.inf, np.inf)) for name in tree.variables]
+        self.limits = np.array(bounds, np.float64).reshape(-1, 2).T
+        self.solid, self.tessellation_error = solid, tessellation_error
+        self.detector = Detector(**options)
+        copies = {link: as_mesh(mesh) for link, mesh in meshes.items()}
+        shapes = {link: _shape(mesh, f"link {link!r}: ") for link, mesh in copies.items()}
+        radii = {link: _radius(mesh) for link, mesh in copies.items()}
+        self._set(tree, shapes, radii, _adjacent(tree, meshes) | _pairs(allowed))
+
+    def _set(self, tree: Tree, shapes: dict[str, Shape], radii: dict[str, float], allowed: frozenset[Any]) -> None:
+        for pair in allowed:
+            for name in pair:
+                if name not in shapes:
+                    raise InvalidInput(f"{name!r} may collide with others, but is no link with a mesh: {list(shapes)}")
+        self._tree, self._shapes, self._radii, self.allowed = tree, shapes, radii, allowed
+        self.variables, self.links = tuple(tree.variables), tuple(shapes)
+        self._worlds: WeakKeyDictionary[Obstacles, tuple[World, PairFilter]] = WeakKeyDictionary()
+        self._alone = Obstacles({})
+
+    def attach(self, name: str, mesh: Any, link: str, pose: Any = None, touching: Iterable[str] = ()) -> Robot:
+        """Returns this robot with an object that is fixed to a link, for instance in a gripper.
+
+        Parameters
+        ----------
+        name : str
+            Name of the object.
+        mesh : mesh
+            Anything that as_mesh takes. Copied.
+        link : str
+            Link to which the object is fixed, and with which it may collide.
+        pose : (3, 4) or (4, 4) array_like, optional
+            Rotation and translation of the object in the frame of the link; None: identity.
+        touching : iterable of str
+            Other links with which the object may collide, such as fingers.
+
+        Returns
+        -------
+        Robot
+            Uses the detector of this robot, which does not change.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such link, or the name is taken.
+        """
+        if name in self._tree.parents or name == self._tree.base:
+            raise InvalidInput(f"{name!r} is already the name of a link")
+        if link not in self._tree.parents and link != self._tree.base:
+            raise InvalidInput(f"the robot has no link {link!r}")
+        origin = np.eye(4)
+        origin[:3] = _pose(np.eye(3, 4) if pose is None else pose, f"attached object {name!r}")
+        joint = Joint(f"{name} is attached", link, name, "fixed", origin)
+        tree, mesh = Tree([*self._tree.joints, joint], self._tree.base), as_mesh(mesh)
+        shapes = {**self._shapes, name: _shape(mesh, f"attached object {name!r}: ")}
+        allowed = self.allowed | _adjacent(tree, shapes) | _pairs((name, other) for other in touching)
+        made = Robot.__new__(Robot)
+        made.__dict__.update(self.__dict__)
+        made._set(tree, shapes, {**self._radii, name: _radius(mesh)}, allowed)
+        return made
+
+    def poses(self, configurations: Any) -> NDArray[np.float64]:
+        """Returns the poses of `links` in the frame of the base.
+
+        Parameters
+        ----------
+        configurations : (..., variables) array_like of float
+            Values of the joints, in radians and units of length.
+
+        Returns
+        -------
+        (..., links, 4, 4) ndarray of float64
+
+        Raises
+        ------
+        InvalidInput
+            If the shape is wrong, or a value is not finite.
+        """
+        rows, leading = self._rows(configurations, "configurations")
+        made = np.zeros((len(rows), len(self.links), 4, 4))
+        made[:, :, :3] = self._tree.poses(rows, self.links)
+        made[:, :, 3, 3] = 1
+        return made.reshape(*leading, len(self.links), 4, 4)
+
+    def collides(self, configurations: Any, obstacles: Any = None) -> NDArray[np.bool_]:
+        """Returns whether the robot collides with itself or with obstacles, exactly for meshes under rounded poses.
+
+        Parameters
+        ----------
+        configurations : (..., variables) array_like of float
+            Values of the joints.
+        obstacles : Obstacles or mapping, optional
+            None: only the robot with itself.
+
+        Returns
+        -------
+        (...) ndarray of bool
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As Detector.find.
+
+        Notes
+        -----
+        Cost: some 10 to 30 microseconds per configuration and thread, for a robot of ten links.
+        """
+        rows, leading = self._rows(configurations, "configurations")
+        world, allowed = self._world(obstacles)
+        return self._collide(rows, world, allowed).reshape(leading)
+
+    def colliding_links(self, configurations: Any, obstacles: Any = None) -> LinkPairs:
+        """Returns all pairs of bodies that collide.
+
+        Parameters
+        ----------
+        configurations, obstacles
+            As for `collides`. A configuration's index counts rows of the array flattened to (n, variables).
+
+        Returns
+        -------
+        LinkPairs
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As Detector.find.
+        """
+        rows, _ = self._rows(configurations, "configurations")
+        world, allowed = self._world(obstacles)
+        query = self._intersections("body_pairs", allowed)
+        configuration, bodies, moving = [], [], len(self.links)
+        for first, many in self._configurations(rows, world):
+            found = self.detector.find(many, query).bodies
+            configuration.append(first + found[:, 0].astype(np.int64) // moving)  # the first body is a link
+            bodies.append(many.originals[found])
+        return LinkPairs(
+            np.concatenate([np.empty(0, np.int64), *configuration]),
+            np.concatenate([np.empty((0, 2), np.int32), *bodies]),
+            self.links + world.names[moving:],
+        )
+
+    def clearances(self, configurations: Any, obstacles: Any = None, *, radius: float = np.inf) -> NDArray[np.float64]:
+        """Returns the least distance of any two bodies that may not collide.
+
+        Parameters
+        ----------
+        configurations, obstacles
+            As for `collides`.
+        radius : float
+            Distances above this need not be known, which saves time.
+
+        Returns
+        -------
+        (...) ndarray of float64
+            0 for configurations that collide; infinite if no distance is at most `radius`. Distances of the meshes are
+            correctly rounded squared ones, and their roots.
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As Detector.find.
+
+        Notes
+        -----
+        Cost: some 100 microseconds per configuration and thread, far less with a small radius.
+        """
+        rows, leading = self._rows(configurations, "configurations")
+        world, allowed = self._world(obstacles)
+        query = DistanceQuery(output="nearest", radius=radius, filter=allowed)
+        parts = []
+        for _, many in self._configurations(rows, world):
+            found = self.detector.find(many, query)
+            distance = np.append(found.distance, np.inf)  # the row -1 means: none
+            parts.append(distance[found.world_rows])
+        made = np.concatenate([np.empty(0), *parts])
+        apart = np.flatnonzero(made > 0) if self.solid else np.empty(0, np.int64)
+        made[apart[self._collide(rows[apart], world, allowed)]] = 0  # a body lies inside another one
+        return made.reshape(leading)
+
+    def collides_between(
+        self, starts: Any, ends: Any, obstacles: Any = None, *, tolerance: float = 1e-3
+    ) -> NDArray[np.bool_]:
+        """Returns whether motions collide, in which all joint values change at constant rates. No collision is missed.
+
+        Parameters
+        ----------
+        starts, ends : (..., variables) array_like of float
+            Configurations at the start and at the end of each motion.
+        obstacles : Obstacles or mapping, optional
+            As for `collides`.
+        tolerance : float, default 0.001
+            Distance, in the units of the meshes, below which a motion may count as colliding without doing so. Above 0.
+
+        Returns
+        -------
+        (...) ndarray of bool
+            False: nothing collides at any time of the motion, up to the rounding of poses. True: the robot collides, or
+            two bodies that may not collide come closer than `tolerance`.
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As Detector.find.
+
+        Notes
+        -----
+        A motion is cut into pieces. In each, vertices are moved straight, which takes each point of a link at most a
+        known distance off its true trajectory (Tree.bends). That distance, for the two links for which it is largest,
+        is the minimum distance of the search. Pieces that are not free are halved, until the distance is half the
+        tolerance. docs/start_robots.md has the argument. Cost: proportional to the square root of 1 / tolerance near
+        obstacles.
+        """
+        first, leading = self._rows(starts, "starts")
+        last, other = self._rows(ends, "ends")
+        if leading != other:
+            raise InvalidInput(f"starts and ends must have the same shape, not {leading} and {other} configurations")
+        if not (np.isfinite(tolerance) and tolerance > 0):
+            raise InvalidInput(f"tolerance must be finite and above 0, not {tolerance}")
+        world, allowed = self._world(obstacles)
+        hit = self._collide(first, world, allowed) | self._collide(last, world, allowed)
+        radii = [self._radii[link] for link in self.links]
+        bends = np.sort(self._tree.bends(first, last, self.links, radii), axis=1)
+        bend = bends[:, -2:].sum(axis=1)  # of the two links that deviate most
+        edge, distance = np.flatnonzero(~hit), tolerance / 2
+        while 4 * distance <= _COARSE * self._tree.reach(self.links, radii):
+            distance *= 4
+        count = np.maximum(1, np.ceil(np.sqrt(bend[edge] / (8 * distance)))).astype(np.int64)
+        edge, low, high = _cut(edge, count)
+        while True:
+            near = self._sweep(first, last, edge, low, high, world, allowed, distance)
+            edge, low, high = edge[near], low[near], high[near]
+            if distance == tolerance / 2:
+                hit[edge] = True
+                return hit.reshape(leading)
+            middle = (low + high) / 2
+            at = first[edge] + middle[:, None] * (last - first)[edge]
+            hit[edge[self._collide(at, world, allowed)]] = True
+            kept = ~hit[edge]
+            edge, low, middle, high = edge[kept], low[kept], middle[kept], high[kept]
+            edge, low, high = np.tile(edge, 2), np.append(low, middle), np.append(middle, high)
+            distance /= 4  # a piece of half the length deviates a quarter as far
+
+    def _sweep(
+        self, first: Any, last: Any, edge: Any, low: Any, high: Any, world: World, allowed: PairFilter, distance: float
+    ) -> NDArray[np.bool_]:
+        """Returns whether bodies come within a distance in pieces of motions, in which vertices move straight."""
+        parts, size = [np.empty(0, bool)], max(self._radii.values(), default=0.0)
+        for begin in range(0, len(edge), _WORLDS):
+            of = edge[begin : begin + _WORLDS]
+            step = (last - first)[of]
+            poses = [
+                self._tree.poses(first[of] + t[begin : begin + _WORLDS, None] * step, self.links) for t in (low, high)
+            ]
+            rounding = 2.0**-40 * (size + np.abs(poses[0][..., 3]).max() + distance)  # of poses and of the distance
+            query = ImpactQuery(output="any_by_world", min_distance=distance + rounding, filter=allowed)
+            parts.append(self.detector.find(world.configurations(*poses), query).world_hit.copy())
+        return np.concatenate(parts)
+
+    def _collide(self, rows: NDArray[np.float64], world: World, allowed: PairFilter) -> NDArray[np.bool_]:
+        query = self._intersections("any_by_world", allowed)
+        found = [self.detector.find(many, query).world_hit.copy() for _, many in self._configurations(rows, world)]
+        return np.concatenate([np.empty(0, bool), *found])
+
+    def _intersections(self, output: Any, allowed: PairFilter) -> IntersectionQuery:
+        return IntersectionQuery(output=output, filter=allowed, containment=self.solid, open="skip")
+
+    def _configurations(self, rows: NDArray[np.float64], world: World) -> Iterator[tuple[int, World]]:
+        for begin in range(0, len(rows), _WORLDS):
+            yield begin, world.configurations(self._tree.poses(rows[begin : begin + _WORLDS], self.links))
+
+    def _rows(self, configurations: Any, name: str) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+        given = host_array(configurations, name)
+        if given.ndim < 1 or given.shape[-1] != len(self.variables):
+            names = ", ".join(self.variables)
+            raise InvalidInput(
+                f"{name} must have shape (..., {len(self.variables)}), one value for each of {names}, not {given.shape}"
+            )
+        rows = np.ascontiguousarray(given, np.float64).reshape(-1, len(self.variables))
+        odd = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+        if len(odd):
+            raise InvalidInput(f"{name}: configuration {odd[0]} has a value that is not finite")
+        return rows, given.shape[:-1]
+
+    def _world(self, obstacles: Any) -> tuple[World, PairFilter]:
+        """Returns the world of one configuration with obstacles, and the pairs to test in it."""
+        if obstacles is None:
+            obstacles = self._alone
+        elif isinstance(obstacles, Mapping):
+            return self._make_world(Obstacles(obstacles), lambda shape: Shape(*shape.mesh))
+        elif not isinstance(obstacles, Obstacles):
+            raise InvalidType(f"obstacles must be Obstacles or a mapping, not {type(obstacles).__name__}")
+        made = self._worlds.get(obstacles)
+        if made is None:
+            made = self._worlds[obstacles] = self._make_world(obstacles, lambda shape: shape)
+        return made
+
+    def _make_world(self, obstacles: Obstacles, shape: Callable[[Shape], Shape]) -> tuple[World, PairFilter]:
+        links, static = len(self.links), len(obstacles)
+        world = World(
+            [*self._shapes.values(), *map(shape, obstacles._shapes)],
+            poses=np.concatenate([np.tile(np.eye(3, 4), (links, 1, 1)), obstacles._poses]),
+            groups=[0] * links + [1] * static,
+            worlds=[0] * links + [-1] * static,
+            names=self.links + obstacles.names,
+        )
+        pairs = [tuple(sorted(pair)) for pair in self.allowed | obstacles.allowed]
+        indices = np.array([[world.index(a), world.index(b)] for a, b in sorted(pairs)], np.int32).reshape(-1, 2)
+        return world, PairFilter(excluded_bodies=indices, excluded_groups=[(1, 1)])
+
+
+def _cut(edge: NDArray[Any], count: NDArray[np.int64]) -> tuple[Any, Any, Any]:
+    """Cuts each motion into `count` pieces. Returns their motion, and their share of it from low to high."""
+    repeated = np.repeat(count, count)
+    place = np.arange(len(repeated)) - np.repeat(np.cumsum(count) - count, count)
+    return np.repeat(edge, count), place / repeated, (place + 1) / repeated
+
+
+def _adjacent(tree: Tree, meshes: Mapping[str, Any]) -> frozenset[frozenset[str]]:
+    made = set()
+    for link in meshes:
+        above = link
+        while above != tree.base:
+            above = tree.parents[above].parent
+            if above in meshes:
+                made.add(frozenset((link, above)))
+                break
+    return frozenset(made)
+
+
+def _pairs(pairs: Iterable[Any]) -> frozenset[frozenset[str]]:
+    made = frozenset(map(frozenset, pairs))
+    for pair in made:
+        if len(pair) != 2:
+            raise InvalidInput(f"an allowed pair must have two different names, not {sorted(pair)}")
+    return made
+
+
+def _shape(mesh: Mesh, which: str) -> Shape:
+    vertices = np.array(host_array(mesh.vertices, which + "vertices"), np.float64)
+    return constant_shape(Mesh(vertices, np.array(host_array(mesh.faces, which + "faces")).reshape(-1, 3)), which)
+
+
+def _radius(mesh: Mesh) -> float:
+    """Returns the largest distance of a vertex from the origin, rounded up."""
+    vertices = np.asarray(mesh.vertices, np.float64)
+    return float(np.linalg.norm(vertices, axis=1).max(initial=0.0)) * (1 + 2.0**-40)
+
+
+def _pose(pose: Any, which: str) -> NDArray[np.float64]:
+    array = np.asarray(pose, np.float64)
+    if array.shape not in ((3, 4), (4, 4)) or not np.isfinite(array).all():
+        raise InvalidInput(f"{which}: its pose must be finite and have shape (3, 4) or (4, 4), not {array.shape}")
+    return array[:3]
