@@ -2,5 +2,6 @@
 
 - adapters.ipctk: IPC Toolkit.
 - adapters.newton: lists of self-contacts for Newton.
+- adapters.trimesh_manager: the methods of trimesh's CollisionManager.
 - adapters.urdf: robots from URDF files.
 """

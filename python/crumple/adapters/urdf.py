@@ -195,7 +195,7 @@ def _read(path: Path) -> Mesh:
             raise
     import trimesh
 
-    mesh = trimesh.load(path, force="mesh")  # with merged vertices
+    mesh: Any = trimesh.load(path, force="mesh")  # with merged vertices
     return Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces))
 
 
