@@ -33,7 +33,7 @@ pip() { "$python" -m pip --disable-pip-version-check --quiet "$@"; }
 "$python" -c 'import yourdfpy' 2>/dev/null || pip install --no-deps yourdfpy lxml six ||
     echo "Left out, because pip cannot install it: yourdfpy" >&2
 if ((${#all[@]})); then
-    for package in pyvista open3d jax warp-lang mypy pillow ipctk libigl meshlib trueform python-fcl scipy coal; do
+    for package in pyvista open3d jax warp-lang mypy pillow ipctk libigl meshlib trueform python-fcl scipy coal mujoco newton; do
         pip install "$package" || echo "Left out, because pip cannot install it: $package" >&2
     done
 fi
