@@ -140,7 +140,8 @@ def test_meshes_are_not_replaced_by_their_convex_hulls():
 def test_height_field_is_cut_as_in_mujoco():
     model, data = made(
         """<mujoco><asset><hfield name="h" nrow="2" ncol="2" size="1 1 1 0.5" elevation="1 0 0 1"/></asset>
-        <worldbody><geom type="hfield" hfield="h"/><body><freejoint/><geom type="sphere" size="0.02"/></body></worldbody></mujoco>"""
+        <worldbody><geom type="hfield" hfield="h"/>
+        <body><freejoint/><geom type="sphere" size="0.02"/></body></worldbody></mujoco>"""
     )
     collisions = Collisions(model, max_tessellation_error=1e-4, threads=1)
     for x, y in ((0, 0), (0.5, -0.5), (0.3, 0.4), (-0.5, -0.4)):

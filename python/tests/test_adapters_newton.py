@@ -112,6 +112,78 @@ def test_warp_arrays_are_accepted_and_share_memory_with_results():
             assert array.dtype in (wp.int32, wp.float32)
 
 
+def with_worlds(worlds):
+    """Returns (vertices, faces, worlds of vertices) of a copy of the cloth for each world, close to each other."""
+    vertices, faces, _ = cloth()
+    copies = [vertices + np.float32([0, 0, 0.01 * i]) for i in range(len(worlds))]
+    triangles = np.concatenate([faces + i * len(vertices) for i in range(len(worlds))])
+    return np.concatenate(copies), triangles, np.repeat(worlds, len(vertices))
+
+
+@pytest.mark.parametrize("worlds", [[0, 1, 2], [0, -1, 1], [3, 3], [-1, -1]])
+def test_features_of_different_worlds_are_not_paired(worlds):
+    vertices, faces, of = with_worlds(worlds)
+    every = SelfContactDetector(faces).detect(vertices, RADIUS)
+    contacts = SelfContactDetector(faces, worlds=of).detect(vertices, RADIUS)
+    edges = crumple.proximities((vertices, faces), radius=0).edges
+    kinds = {"vertex_colliding_triangles": (of, of[faces[:, 0]]), "edge_colliding_edges": (of[edges[:, 0]],) * 2}
+    for kind, (first, second) in kinds.items():
+        before, after = (lists(kind, found, 2)[0] for found in (every, contacts))
+        left_out = 0
+        for i, (all_of, kept) in enumerate(zip(before, after)):
+            common = [j for j in all_of if first[i] == second[j] or first[i] < 0 or second[j] < 0]
+            assert kept == common
+            left_out += len(all_of) - len(kept)
+        assert (left_out > 0) == (len({w for w in worlds if w >= 0}) > 1)
+
+
+@pytest.mark.parametrize("worlds", [[0], [0, 1, 2], [-1, 0, 1]])
+def test_lists_are_those_of_newton(worlds):
+    newton, wp = peer("newton"), peer("warp")
+    wp.config.quiet = True
+    vertices, faces, _ = cloth()
+    builder = newton.ModelBuilder()
+    for i, world in enumerate(worlds):
+        own = newton.ModelBuilder()
+        (builder if world < 0 else own).add_cloth_mesh(
+            pos=wp.vec3(0.0, 0.0, 0.01 * i),
+            rot=wp.quat_identity(),
+            scale=1.0,
+            vel=wp.vec3(0.0, 0.0, 0.0),
+            vertices=[wp.vec3(*point) for point in vertices.tolist()],
+            indices=faces.ravel().tolist(),
+            density=1.0,
+        )
+        if world >= 0:
+            builder.add_world(own)
+    model = builder.finalize(device="cpu")
+    pipeline = newton.CollisionPipeline(model)
+    pipeline.init_soft_self_contact(
+        margin=RADIUS,
+        vertex_buffer_pre_alloc=512,
+        edge_buffer_pre_alloc=512,
+        record_triangle_contacting_vertices=False,
+        topological_filter_threshold=0,
+    )
+    found = pipeline.contacts()
+    pipeline.collide(model.state(), found, soft_self_contact=True)
+    theirs = found.soft_self_contact_data
+    ours = SelfContactDetector(model.tri_indices, model.edge_indices, model.particle_world).detect(
+        model.particle_q, RADIUS
+    )
+    names = set(ours._fields)
+    assert {name for name in dir(theirs) if name.startswith(("vertex_", "triangle_", "edge_"))} <= names
+    for kind in ("vertex_colliding_triangles", "edge_colliding_edges"):
+        expected, got = [], lists(kind, ours, 2)[0]
+        entries, offsets = getattr(theirs, kind).numpy().reshape(-1, 2), getattr(theirs, kind + "_offsets").numpy()
+        for begin, count in zip(offsets, getattr(theirs, kind + "_count").numpy()):
+            expected.append(sorted(entries[begin : begin + count, 1].tolist()))
+        different = sum(len(set(a) ^ set(b)) for a, b in zip(expected, got))
+        assert different <= 1e-3 * sum(map(len, got)) and sum(map(len, got)) > 100, "Newton rounds in float32"
+        apart = getattr(theirs, kind + "_min_dist").numpy() - getattr(ours, kind + "_min_dist")
+        assert np.abs(apart).max() < 1e-4
+
+
 def test_invalid_edges_and_radius_are_refused():
     vertices, faces, edges = cloth()
     with pytest.raises(crumple.InvalidInput, match=r"edges must have shape \(n, 2\) or \(n, 4\), not \(5, 3\)"):
@@ -122,5 +194,11 @@ def test_invalid_edges_and_radius_are_refused():
         SelfContactDetector(faces, odd).detect(vertices, RADIUS)
     with pytest.raises(crumple.InvalidInput, match=rf"the {len(edges)} edges of .* is missing"):
         SelfContactDetector(faces, edges[1:]).detect(vertices, RADIUS)
+    with pytest.raises(crumple.InvalidInput, match=r"triangle 0 has vertices of the worlds \[0, "):
+        SelfContactDetector(faces, worlds=np.arange(len(vertices)))
+    with pytest.raises(crumple.InvalidInput, match="worlds must be one integer for each vertex"):
+        SelfContactDetector(faces, worlds=np.zeros(len(vertices)))
+    with pytest.raises(crumple.InvalidInput, match="worlds has 2 entries, but triangles have other vertices"):
+        SelfContactDetector(faces, worlds=[0, 0])
     with pytest.raises(crumple.InvalidInput, match="radius must be finite"):
         SelfContactDetector(faces, edges).detect(vertices, -1)

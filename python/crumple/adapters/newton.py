@@ -9,7 +9,7 @@ Examples
 --------
     from crumple.adapters.newton import SelfContactDetector
 
-    detector = SelfContactDetector(model.tri_indices, model.edge_indices)
+    detector = SelfContactDetector(model.tri_indices, model.edge_indices, model.particle_world)
     contacts = detector.detect(state.particle_q, radius)
     info = contacts.warp_arrays()                                # by the names of Newton's TriMeshCollisionInfo
 """
@@ -23,6 +23,8 @@ import numpy as np
 from .._arrays import host_array
 from .._detector import Detector
 from .._errors import InvalidInput
+from .._mesh import Mesh
+from .._queries import PairFilter, ProximityQuery
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -100,18 +102,30 @@ class SelfContactDetector:
     edges : (n, 2) or (n, 4) array_like of int, optional
         The edges of the triangles, each once, in any order and direction. An (n, 4) array is Newton's edge_indices,
         whose last two columns are the ends. None: edges are numbered in lexicographic order.
+    worlds : (v,) array_like of int, optional
+        World of each vertex, as Newton's particle_world: features of two different worlds are not paired; -1 is in all
+        worlds. Triangles lie in one world. None: all vertices are in the same world.
     **options
         Options of crumple.Detector.
 
     Raises
     ------
     InvalidInput
-        If the shape of `edges` is wrong. (`detect` raises it if they are not the edges of the triangles.)
+        If the shape of `edges` is wrong, or a triangle has vertices of several worlds. (`detect` raises it if they are
+        not the edges of the triangles.)
+
+    Notes
+    -----
+    If some vertices are in all worlds, and others are not, memory is proportional to the square of the number of
+    worlds.
     """
 
-    def __init__(self, triangles: Any, edges: Any = None, **options: Any) -> None:
+    def __init__(self, triangles: Any, edges: Any = None, worlds: Any = None, **options: Any) -> None:
         self.detector = Detector(**options)
         self._triangles = host_array(triangles, "triangles").reshape(-1, 3)
+        self._groups, self._filter = None, PairFilter()
+        if worlds is not None:
+            self._groups, self._filter = _groups(self._triangles, host_array(worlds, "worlds"))
         self._edges = None
         if edges is not None:
             listed = host_array(edges, "edges")
@@ -142,7 +156,8 @@ class SelfContactDetector:
         -----
         Cost: that of Detector.proximities, plus some 20 ns per entry.
         """
-        near = self.detector.proximities(positions, self._triangles, radius=radius, strict=True, least=True, index=True)
+        query = ProximityQuery(radius=radius, strict=True, least=True, index=True, filter=self._filter)
+        near = self.detector.find(Mesh(positions, self._triangles, self._groups), query)
         pairs, by_face = near.vertex_faces, near.by_face
         return SelfContacts(
             pairs.reshape(-1).copy(),
@@ -182,6 +197,26 @@ class SelfContactDetector:
                 return f", and edge {i}, {edge}, is not one of them, or is listed twice"
             wanted.remove(edge)
         return f", and {min(wanted)} is missing"
+
+
+def _groups(triangles: NDArray[Any], worlds: NDArray[Any]) -> tuple[NDArray[Any] | None, PairFilter]:
+    """Returns the group of each triangle, which is its world, and the filter that selects pairs by their worlds."""
+    if worlds.ndim != 1 or worlds.dtype.kind not in "iu":
+        raise InvalidInput(f"worlds must be one integer for each vertex, not {worlds.shape} of {worlds.dtype}")
+    if triangles.size and (triangles.min() < 0 or triangles.max() >= len(worlds)):
+        raise InvalidInput(f"worlds has {len(worlds)} entries, but triangles have other vertices")
+    corners = worlds[triangles]
+    odd = np.flatnonzero((corners != corners[:, :1]).any(axis=1))
+    if len(odd):
+        raise InvalidInput(f"triangle {odd[0]} has vertices of the worlds {corners[odd[0]].tolist()}")
+    different = np.unique(corners[:, 0])
+    if len(different) < 2:
+        return None, PairFilter()
+    if different[0] >= 0:
+        return corners[:, 0], PairFilter(groups="within")
+    own = different[different >= 0]
+    a, b = np.triu_indices(len(own), 1)
+    return corners[:, 0], PairFilter(excluded_groups=np.column_stack([own[a], own[b]]).astype(np.int32))
 
 
 def _counted(offsets: NDArray[np.int64]) -> tuple[NDArray[np.int32], ...]:
