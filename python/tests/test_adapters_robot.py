@@ -177,7 +177,7 @@ def random_configurations(count, seed=1):
 
 def placed(robot, configuration):
     """Returns the mesh of each link in a configuration, posed in float64."""
-    return {link: moved(robot._shapes[link].mesh, pose) for link, pose in zip(robot.links, robot.poses(configuration))}
+    return {link: moved(robot.shapes[link].mesh, pose) for link, pose in zip(robot.links, robot.poses(configuration))}
 
 
 def pairs_of(robot, configuration, obstacles):
@@ -211,6 +211,14 @@ def test_results_of_many_configurations_are_those_of_each_one():
         np.testing.assert_allclose(clearances[i], least, atol=1e-12)
     near = robot.clearances(configurations, fixed, radius=0.05)
     np.testing.assert_array_equal(near, np.where(clearances <= 0.05, clearances, np.inf))
+
+
+def test_world_of_configurations_is_for_any_query():
+    robot, configurations, obstacles = arm(), random_configurations(40), Obstacles(room())
+    world, allowed = robot.world(configurations, obstacles)
+    assert len(world) == 40 * 4 + 3 and list(robot.shapes) == list(LINKS)
+    found = robot.detector.overlaps(world, output="any_by_world", filter=allowed)
+    np.testing.assert_array_equal(found.world_hit, robot.collides(configurations, obstacles))
 
 
 def test_configurations_of_any_shape_are_accepted():

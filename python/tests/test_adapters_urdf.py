@@ -80,7 +80,7 @@ def test_robot_has_the_links_joints_and_limits_of_its_files(tmp_path):
 def test_geometry_of_a_link_is_posed_scaled_and_closed(tmp_path):
     pytest.importorskip("yourdfpy")
     robot = urdf.load(write(tmp_path), threads=1)
-    meshes = [shape.mesh for shape in robot._shapes.values()]
+    meshes = [shape.mesh for shape in robot.shapes.values()]
     for mesh in meshes:
         assert len(crumple.open_edges(mesh)[0]) == 0 and mesh.vertices.dtype == np.float64
     size = np.ptp(meshes[2].vertices, axis=0)

@@ -19,6 +19,7 @@ SAYS = {
     "animation": r"frame 54:  1827 pairs of triangles,  31 pairs of bodies",
     "robot": r"is free\n.*base hits forearm, .*\n.*table hits hand\n",
     "robot_in_its_surroundings": r"11 bodies .*\n354 of 500 configurations are free\n.*hand hits shelf\n",
+    "plan_a_path": r"are free: True\n.*collides: True\na path of \d+ configurations, \d after .*; 0 of its motions collide",
     "a_thousand_worlds": r"5000 bodies in 1000 worlds: something collides in 864 of them\n  0 pairs .* 136 worlds #+\n",
     "print_check": r"18432 triangles in 2 shells, 0 open edges\n688 pairs between shells, 0 within one: unite the shells first",
     "kinds_of_contact": r"crossing: segment \(1, 1, 0\) \(1.66667, 1, 0\)\n(.*\n)*.*hexagon: area( \(\S+ \S+ 0\)){6}\n",
@@ -50,6 +51,8 @@ def test_every_python_example_is_tested():
 def test_example_prints_the_expected_output_and_saves_its_picture(name, tmp_path):
     if name == "ipc_toolkit":
         peer("ipctk")
+    if name == "plan_a_path":
+        peer("yourdfpy")
     if name == "fit_by_volume":
         pytest.importorskip("torch")
     if name == "ranks" and mpi.missing():

@@ -63,6 +63,13 @@ class Obstacles:
     allowed : iterable of (str, str)
         Pairs of a link and an obstacle that may collide.
 
+    Attributes
+    ----------
+    names : tuple of str
+    shapes : tuple of Shape
+    poses : (n, 3, 4) ndarray of float64
+        Read-only.
+
     Raises
     ------
     InvalidInput, InvalidType
@@ -76,14 +83,15 @@ class Obstacles:
     def __init__(self, bodies: Mapping[str, Any], allowed: Iterable[tuple[str, str]] = ()) -> None:
         self.names = tuple(bodies)
         self.allowed = _pairs(allowed)
-        self._shapes = []
+        shapes = []
         poses = [np.eye(3, 4)]
         for name, body in bodies.items():
             posed = isinstance(body, (tuple, list)) and len(body) == 2 and is_mesh(body[0])
             mesh, pose = body if posed else (body, np.eye(3, 4))
-            self._shapes.append(_shape(as_mesh(mesh), f"obstacle {name!r}: "))
+            shapes.append(_shape(as_mesh(mesh), f"obstacle {name!r}: "))
             poses.append(_pose(pose, f"obstacle {name!r}"))
-        self._poses = np.array(poses[1:]).reshape(-1, 3, 4)
+        self.shapes, self.poses = tuple(shapes), np.array(poses[1:]).reshape(-1, 3, 4)
+        self.poses.flags.writeable = False
 
     def __len__(self) -> int:
         """Number of obstacles."""
@@ -241,6 +249,30 @@ class Robot:
         made[:, :, :3] = self._tree.poses(rows, self.links)
         made[:, :, 3, 3] = 1
         return made.reshape(*leading, len(self.links), 4, 4)
+
+    @property
+    def shapes(self) -> dict[str, Shape]:
+        """Shape of each of `links`, in the frame of the link."""
+        return dict(self._shapes)
+
+    def world(self, configurations: Any, obstacles: Any = None) -> tuple[World, PairFilter]:
+        """Returns a world in which each configuration has a world index of its own, for any query of a detector.
+
+        Parameters
+        ----------
+        configurations, obstacles
+            As for `collides`.
+
+        Returns
+        -------
+        world : World
+            Link l of configuration c is body c * links + l. Obstacles are in all worlds, and come last.
+        filter : PairFilter
+            Selects the pairs that may not collide.
+        """
+        rows, _ = self._rows(configurations, "configurations")
+        world, allowed = self._world(obstacles)
+        return world.configurations(self._tree.poses(rows, self.links)), allowed
 
     def collides(self, configurations: Any, obstacles: Any = None) -> NDArray[np.bool_]:
         """Returns whether the robot collides with itself or with obstacles, exactly for meshes under rounded poses.
@@ -458,8 +490,8 @@ class Robot:
     def _make_world(self, obstacles: Obstacles, shape: Callable[[Shape], Shape]) -> tuple[World, PairFilter]:
         links, static = len(self.links), len(obstacles)
         world = World(
-            [*self._shapes.values(), *map(shape, obstacles._shapes)],
-            poses=np.concatenate([np.tile(np.eye(3, 4), (links, 1, 1)), obstacles._poses]),
+            [*self._shapes.values(), *map(shape, obstacles.shapes)],
+            poses=np.concatenate([np.tile(np.eye(3, 4), (links, 1, 1)), obstacles.poses]),
             groups=[0] * links + [1] * static,
             worlds=[0] * links + [-1] * static,
             names=self.links + obstacles.names,
