@@ -6,6 +6,7 @@ each.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -488,17 +489,24 @@ class Robot:
         return made
 
     def _make_world(self, obstacles: Obstacles, shape: Callable[[Shape], Shape]) -> tuple[World, PairFilter]:
-        links, static = len(self.links), len(obstacles)
+        # Each link is a group, and so is each obstacle with allowed pairs; all other obstacles are one group. Groups of
+        # a filter are not repeated for each configuration, as excluded bodies are.
+        special = [name for name in obstacles.names if any(name in pair for pair in obstacles.allowed)]
+        group = {name: i for i, name in enumerate((*self.links, *special))}
+        common, links = len(group), len(self.links)
+        static = [*range(links, common), common]
         world = World(
             [*self._shapes.values(), *map(shape, obstacles.shapes)],
             poses=np.concatenate([np.tile(np.eye(3, 4), (links, 1, 1)), obstacles.poses]),
-            groups=[0] * links + [1] * static,
-            worlds=[0] * links + [-1] * static,
+            groups=[group.get(name, common) for name in self.links + obstacles.names],
+            worlds=[0] * links + [-1] * len(obstacles),
             names=self.links + obstacles.names,
         )
-        pairs = [tuple(sorted(pair)) for pair in self.allowed | obstacles.allowed]
-        indices = np.array([[world.index(a), world.index(b)] for a, b in sorted(pairs)], np.int32).reshape(-1, 2)
-        return world, PairFilter(excluded_bodies=indices, excluded_groups=[(1, 1)])
+        for name in {name for pair in obstacles.allowed for name in pair}:
+            world.index(name)  # raises an error that suggests a similar name
+        pairs = [sorted(group[name] for name in pair) for pair in self.allowed | obstacles.allowed]
+        pairs += itertools.combinations_with_replacement(static, 2)
+        return world, PairFilter(excluded_groups=np.array(sorted(map(tuple, pairs)), np.int32))
 
 
 def _cut(edge: NDArray[Any], count: NDArray[np.int64]) -> tuple[Any, Any, Any]:
