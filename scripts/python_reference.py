@@ -22,7 +22,7 @@ import pdoc
 PACKAGES = ["crumple", "crumple.mpi", "crumple.adapters"]  # without private modules
 # Modules whose public entities need docstrings. The methods of crumple.adapters.ipctk need none, since ipctk documents the
 # methods that they override.
-MODULES = [*PACKAGES, "crumple.adapters.newton"]
+MODULES = [*PACKAGES, *(f"crumple.adapters.{name}" for name in ("mujoco", "newton", "trimesh_manager", "urdf"))]
 LITERALS = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
 
 root = Path(__file__).resolve().parent.parent

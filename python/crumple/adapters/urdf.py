@@ -15,9 +15,9 @@ Examples
 from __future__ import annotations
 
 import os
+import pathlib
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -110,7 +110,7 @@ def load(
         for joint in model.joints
         if joint.type in ("revolute", "prismatic") and joint.limit is not None and joint.limit.upper is not None
     }
-    folder, meshes, worst = Path(path).resolve().parent, {}, 0.0
+    folder, meshes, worst = pathlib.Path(path).resolve().parent, {}, 0.0
     for link in model.links:
         parts = [_posed(c, folder, packages or {}, max_tessellation_error, link.name) for c in link.collisions]
         if parts:
@@ -167,7 +167,7 @@ def _joint(joint: Any) -> Joint:
 
 
 def _posed(
-    collision: Any, folder: Path, packages: Mapping[str, Any], max_error: float, link: str
+    collision: Any, folder: pathlib.Path, packages: Mapping[str, Any], max_error: float, link: str
 ) -> tuple[Mesh, NDArray[np.float64]]:
     """Returns the mesh of a collision element, and its pose in the frame of the link."""
     geometry, pose = collision.geometry, collision.origin
@@ -186,7 +186,7 @@ def _posed(
     return Mesh(np.asarray(mesh.vertices, np.float64) * scale, faces[:, ::-1] if scale.prod() < 0 else faces), pose
 
 
-def _read(path: Path) -> Mesh:
+def _read(path: pathlib.Path) -> Mesh:
     """Reads a mesh, by trimesh if crumple has no reader for the format, as for .dae."""
     try:
         return read_mesh(path, weld="yes")
@@ -199,16 +199,16 @@ def _read(path: Path) -> Mesh:
     return Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces))
 
 
-def _resolved(name: str, folder: Path, packages: Mapping[str, Any], link: str) -> Path:
+def _resolved(name: str, folder: pathlib.Path, packages: Mapping[str, Any], link: str) -> pathlib.Path:
     """Returns the file with a name, which may begin with package:// or file://."""
     scheme, mark, rest = name.partition("://")
     inside = rest if mark else scheme
     package, _, below = inside.partition("/")
     if scheme == "package" and mark and package in packages:
-        places = [Path(packages[package]) / below]
+        places = [pathlib.Path(packages[package]) / below]
     else:
         above = [folder, *folder.parents]
-        places = [Path(inside)] if Path(inside).is_absolute() else [f / inside for f in above]
+        places = [pathlib.Path(inside)] if pathlib.Path(inside).is_absolute() else [f / inside for f in above]
         if scheme == "package" and mark:
             places += [f / below for f in above]
     for place in places:
