@@ -156,6 +156,17 @@ def test_height_field_is_cut_as_in_mujoco():
     assert len(crumple.open_edges(shape.mesh)[0]) == 0
 
 
+@pytest.mark.parametrize("pair, hit", [("", False), ('<contact><pair geom1="a" geom2="b"/></contact>', True)])
+def test_models_of_which_nothing_moves_have_contacts_if_pairs_are_listed(pair, hit):
+    model, data = made(
+        f"""<mujoco><worldbody><geom name="a" size="1"/><geom name="b" size="1" pos="1 0 0"/></worldbody>
+        {pair}</mujoco>"""
+    )
+    collisions = Collisions(model, threads=1)
+    assert collisions.collides(data) == hit == len(collisions.contacts(data).geoms)
+    assert collisions.collides(np.zeros((3, 0))).tolist() == [hit] * 3
+
+
 def test_invalid_positions_are_refused_and_open_meshes_have_no_normal():
     vertices, faces = c_shaped()
     text = f"""<mujoco><asset><mesh name="c" vertex="{" ".join(map(str, vertices.ravel()))}" inertia="shell"

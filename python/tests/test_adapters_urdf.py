@@ -121,12 +121,43 @@ def test_mesh_files_are_found(tmp_path, place):
             urdf.load(path)
 
 
+def test_robot_may_be_a_single_link(tmp_path):
+    pytest.importorskip("yourdfpy")
+    path = tmp_path / "one.urdf"
+    shape = "<collision><geometry><box size='1 1 1'/></geometry></collision>"
+    path.write_text(f"<robot name='one'><link name='a'>{shape}</link></robot>")
+    robot, beside = urdf.load(path, threads=1), np.column_stack([np.eye(3), [3, 0, 0]])
+    nothing = np.zeros((2, 0))
+    assert robot.collides(nothing).tolist() == [False, False]
+    assert robot.collides(nothing, {"b": urdf.box([1, 1, 1])}).all()
+    assert robot.clearances(nothing, {"b": (urdf.box([1, 1, 1]), beside)}).tolist() == [2, 2]
+    assert not robot.collides_between(nothing, nothing, {"b": (urdf.box([1, 1, 1]), beside)}).any()
+    with pytest.raises(crumple.InvalidInput, match="both called 'a'"):
+        robot.collides(nothing, {"a": urdf.box([1, 1, 1])})
+
+
+def test_meshes_in_collada_files_are_read(tmp_path):
+    pytest.importorskip("yourdfpy")
+    pytest.importorskip("collada")
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.box([1, 2, 3]).export(tmp_path / "box.dae")
+    path = tmp_path / "one.urdf"
+    shape = "<collision><geometry><mesh filename='box.dae'/></geometry></collision>"
+    path.write_text(f"<robot name='one'><link name='a'>{shape}</link></robot>")
+    mesh = urdf.load(path).shapes["a"].mesh
+    assert len(mesh.vertices) == 8
+    np.testing.assert_allclose(np.ptp(mesh.vertices, axis=0), [1, 2, 3], rtol=1e-6)
+
+
 def test_invalid_robots_are_refused(tmp_path):
     pytest.importorskip("yourdfpy")
     with pytest.raises(FileNotFoundError, match="no such file"):
         urdf.load(tmp_path / "none.urdf")
     path = write(tmp_path, ROBOT.replace('"continuous"', '"floating"'))
     with pytest.raises(crumple.InvalidInput, match="joint 'turn': joints of the type 'floating' are not supported"):
+        urdf.load(path)
+    path.write_text("<robot name='x'><link name='a'/></robot>")
+    with pytest.raises(crumple.InvalidInput, match="no link of the robot has a mesh"):
         urdf.load(path)
     path.write_text("<robot name='x'><link/></robot>")
     with pytest.raises(crumple.InvalidInput, match="is not a valid URDF file"):

@@ -7,6 +7,7 @@ each.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -140,7 +141,7 @@ class Robot:
     Raises
     ------
     InvalidInput
-        If joints do not make a tree, or an argument is invalid.
+        If joints do not make a tree, no link has a mesh, or an argument is invalid.
 
     Notes
     -----
@@ -167,6 +168,8 @@ class Robot:
         unknown = [link for link in meshes if link != tree.base and link not in tree.parents]
         if unknown:
             raise InvalidInput(f"{unknown[0]!r} has a mesh but is no link of the robot")
+        if not meshes:
+            raise InvalidInput("no link of the robot has a mesh, so it cannot collide")
         given = limits or {}
         bounds = [given.get(name, (-np.inf, np.inf)) for name in tree.variables]
         self.limits = np.array(bounds, np.float64).reshape(-1, 2).T
@@ -469,7 +472,7 @@ class Robot:
             raise InvalidInput(
                 f"{name} must have shape (..., {len(self.variables)}), one value for each of {names}, not {given.shape}"
             )
-        rows = np.ascontiguousarray(given, np.float64).reshape(-1, len(self.variables))
+        rows = np.ascontiguousarray(given, np.float64).reshape(math.prod(given.shape[:-1]), given.shape[-1])
         odd = np.flatnonzero(~np.isfinite(rows).all(axis=1))
         if len(odd):
             raise InvalidInput(f"{name}: configuration {odd[0]} has a value that is not finite")

@@ -14,6 +14,7 @@ Examples
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -101,6 +102,7 @@ class Collisions:
         fixed = model.body_weldid[model.geom_bodyid[used]] == 0
         self._planes = model.geom_type[used] == mujoco.mjtGeom.mjGEOM_PLANE
         fixed &= ~self._planes  # the box of a plane depends on the positions of other geoms
+        fixed &= not fixed.all()  # a world needs a body that is not in all worlds
         order = np.argsort(fixed, kind="stable")
         self.geoms, self._planes, self._moving = used[order], self._planes[order], int((~fixed).sum())
         self.detector, self.tessellation_error = Detector(**options), 0.0
@@ -157,6 +159,8 @@ class Collisions:
         else:
             joints, leading = self._rows(positions)
             parts = map(self._kinematics, _parts(joints))
+        if not len(self.geoms):
+            return np.zeros(leading, bool)
         found = [self.detector.find(self._many(poses), query).world_hit.copy() for poses in parts]
         return np.concatenate([np.empty(0, bool), *found]).reshape(leading)
 
@@ -199,7 +203,8 @@ class Collisions:
         given = host_array(positions, "positions")
         if given.ndim < 1 or given.shape[-1] != self._model.nq:
             raise InvalidInput(f"positions must be MjData or have shape (..., {self._model.nq}), not {given.shape}")
-        return np.ascontiguousarray(given, np.float64).reshape(-1, self._model.nq), given.shape[:-1]
+        rows = np.ascontiguousarray(given, np.float64).reshape(math.prod(given.shape[:-1]), given.shape[-1])
+        return rows, given.shape[:-1]
 
     def _kinematics(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         mujoco, data = _mujoco(), self._data
