@@ -52,6 +52,9 @@ struct OverlapQuery {
     /// Directions along which the second body of each pair is moved away from the first one (Overlaps::withdrawals);
     /// finite, not 0, of any length.
     std::vector<std::array<double, 3>> directions = {};
+    /// Also makes the first motion along each direction at which the insides of two bodies do not overlap; needs
+    /// directions. Not for a body with itself.
+    bool first_free = false;
     bool translation = false;  ///< also makes bounds on the least translation that separates two bodies
     /// States that all bodies are solids: their winding numbers are 0 and 1 only. Overlaps::translation_low relies on
     /// it: if it is wrong, that number may be too large. With self_overlaps it is computed instead of stated.
@@ -144,6 +147,13 @@ struct Overlaps {
     /// they are apart for every greater t. 0 if there is no such t. The least float64 that is not below it; infinity
     /// beyond the largest. NaN for a body with itself. Surfaces need not be closed.
     Array<double> withdrawals;
+    /// For OverlapQuery::first_free: first_free[k i + j] is the least t ≥ 0 at which the insides of the first body of
+    /// row i and of its second body, moved by t · directions[j], do not overlap: no ball is inside both. Inside means
+    /// that the winding number is not 0, so a volume that is 0 because positive and negative parts cancel does not
+    /// count as free. At most the withdrawal; less if the bodies touch or overlap again later. 0 if they only touch.
+    /// The least float64 that is not below it; infinity beyond the largest. NaN for a body with itself, and if a
+    /// surface is not closed.
+    Array<double> first_free;
     /// For OverlapQuery::translation: bounds on the length of the least translation that separates two bodies. The
     /// lower one holds for every path of translations, and is NaN unless it is stated (OverlapQuery::solids) or
     /// proved that both bodies are solids. The upper one is the least withdrawal along the row's normal, its opposite

@@ -159,6 +159,7 @@ void check_query_options(const OverlapQuery& q, const World& world) {
         check(std::isfinite(x) && std::isfinite(y) && std::isfinite(z), "directions must be finite");
         check(x != 0 || y != 0 || z != 0, "a direction must not be 0");
     }
+    check(!q.first_free || !q.directions.empty(), "first_free needs directions");
     check(q.filter.bodies != PairScope::within, "filter.bodies must not be within: overlaps are between bodies");
 }
 

@@ -57,6 +57,7 @@ void for_each_overlap_array(Act act) {
     act("box", &Overlaps::box, Level::rows);
     act("thickness", &Overlaps::thickness, Level::rows);
     act("withdrawals", &Overlaps::withdrawals, Level::rows);
+    act("first_free", &Overlaps::first_free, Level::rows);
     act("translation_low", &Overlaps::translation_low, Level::rows);
     act("translation_high", &Overlaps::translation_high, Level::rows);
     act("translation", &Overlaps::translation, Level::rows);

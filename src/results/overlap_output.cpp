@@ -55,7 +55,7 @@ void clear(Overlaps& result) {
 }
 
 std::size_t bytes_of(const OverlapRow& row) {
-    std::size_t bytes = bytes_of(row.curves) + bytes_of(row.regions) + bytes_of(row.withdrawals);
+    std::size_t bytes = bytes_of(row.curves) + bytes_of(row.regions) + bytes_of(row.withdrawals) + bytes_of(row.first_free);
     for (std::size_t side = 0; side < 2; ++side)
         bytes += bytes_of(row.gradient[side]) + bytes_of(row.windings[side]) + bytes_of(row.depths[side]);
     for (const OverlapCurve& curve : row.curves) bytes += bytes_of(curve.points) + bytes_of(curve.triangles);
@@ -200,8 +200,10 @@ void add_row(const OverlapQuery& query, const BodyPair& bodies, std::int32_t wor
         result.thickness.push_back(row.extent.thickness);
     }
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    for (std::size_t j = 0; j < query.directions.size(); ++j)
+    for (std::size_t j = 0; j < query.directions.size(); ++j) {
         result.withdrawals.push_back(row.withdrawals.empty() ? nan : row.withdrawals[j]);
+        if (query.first_free) result.first_free.push_back(row.first_free.empty() ? nan : row.first_free[j]);
+    }
     if (query.unions) {
         result.union_volume.push_back(row.unions.volume);
         result.intersection_over_union.push_back(row.unions.share);

@@ -89,7 +89,7 @@ struct OverlapRow {
     std::vector<OverlapRegion> regions;
     UnionVolumes unions;
     DepthBounds depth_bounds{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
-    std::vector<double> withdrawals;  ///< by direction of the query
+    std::vector<double> withdrawals, first_free;  ///< by direction of the query; empty if they are undefined
     TranslationBounds translation;    ///< the lower bound holds for solids
     double body_volume = 0;           ///< set for the overlap of a body with itself: the volume of that body
 };

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "backends/reference/reference_bodies.h"
+#include "backends/reference/reference_first_free.h"
 #include "exact/distance/nearest_triangle.h"
 #include "exact/intersection/exact_intersection.h"
 #include "exact/overlap/exact_crossing.h"
@@ -570,6 +571,12 @@ void add_withdrawals(const OverlapQuery& query, const PosedBody& a, const PosedB
     add_withdrawals(query, withdraw, projected_area, row);
 }
 
+void add_first_free(const OverlapQuery& query, const PosedBody& a, const PosedBody& b, Cancellation& cancellation,
+                    OverlapRow& row) {
+    for (const auto& [x, y, z] : query.directions)
+        row.first_free.push_back(first_free_by_brute_force(a, b, {x, y, z}, cancellation));
+}
+
 }  // namespace
 
 void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query, MemoryMeter& meter,
@@ -595,6 +602,8 @@ void find_overlaps_by_brute_force(const World& world, const OverlapQuery& query,
         OverlapRow row = open.empty() ? overlap.row() : overlap.open_row();
         if (a == b) add_body(a, row, result);
         if (a != b && row.exists) add_withdrawals(query, bodies[a], bodies[b], row);
+        if (a != b && row.exists && query.first_free && open.empty())
+            add_first_free(query, bodies[a], bodies[b], cancellation, row);
         if (a == b && is_solid(row)) solids.insert(a);
         orient(orientation(a), orientation(b), row);
         if (!query.gradient) row.gradient = {};

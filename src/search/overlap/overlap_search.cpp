@@ -12,6 +12,7 @@
 #include "results/withdrawal_output.h"
 #include "search/containment/contained_bodies.h"
 #include "search/overlap/slice_of_world.h"
+#include "search/withdrawal/first_free_search.h"
 #include "search/withdrawal/withdrawal_search.h"
 
 namespace crumple {
@@ -398,7 +399,11 @@ bool OverlapSearch::add_withdrawals(const PlacedSurface& a, const PlacedSurface&
         return area.bound();
     };
     crumple::add_withdrawals(query_, withdraw, projected_area, row);
-    return counts.rational_tests != 0;
+    if (!query_.first_free || !a.surface->closed() || !b.surface->closed()) return counts.rational_tests != 0;
+    FirstFreeCounts steps;
+    for (const auto& [x, y, z] : query_.directions)
+        row.first_free.push_back(find_first_free(a, b, {x, y, z}, *host_, cancellation_, steps));
+    return true;
 }
 
 }  // namespace crumple

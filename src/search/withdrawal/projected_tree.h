@@ -47,6 +47,8 @@ class ProjectionAlong {
     ProjectionAlong(const Vec3d& direction, double largest);
 
     int axis() const { return axis_; }
+    /// Factor of places, so that they do not overflow: place() and boxes are in units of 1 / scale().
+    double scale() const { return scale_; }
     /// Returns a box that contains the projection of a triangle.
     Bounds operator()(const std::array<Vec3d, 3>& corners) const;
     /// Returns the place of a point, with an error of at most margin() / 4.

@@ -1,0 +1,145 @@
+#include "exact/withdrawal/sheared_face.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace crumple {
+namespace {
+
+Rational power_of_two(int exponent) {
+    const mp::cpp_int power = mp::cpp_int(1) << std::abs(exponent);
+    return exponent < 0 ? Rational(1, power) : Rational(power);
+}
+
+/// Edge of a face, from a corner to the next one, of which parts are cut off.
+class CutEdge {
+   public:
+    CutEdge(const ShearedPoint& from, const ShearedPoint& to) : from_(from), to_(to) {}
+
+    /// Keeps the part in the plane through `at`.
+    void keep_in_plane(const ShearedPoint& normal, const ShearedPoint& at) {
+        keep_above(normal, at);
+        keep_above(ShearedPoint{} - normal, at);
+    }
+    /// Keeps the part in the half-space into which the normal points.
+    void keep_above(const ShearedPoint& normal, const ShearedPoint& at) {
+        const Rational start = dot(normal, from_ - at), end = dot(normal, to_ - at);
+        if (start < 0 && end < 0) low_ = 2;
+        if (start < 0 && end >= 0) low_ = std::max<Rational>(low_, start / (start - end));
+        if (start >= 0 && end < 0) high_ = std::min<Rational>(high_, start / (start - end));
+    }
+    void add_ends(PlaceSet& places) const {
+        if (low_ > high_) return;
+        for (const Rational& s : {low_, high_}) places.insert(place_of(from_ + s * (to_ - from_)));
+    }
+
+   private:
+    const ShearedPoint from_, to_;
+    Rational low_ = 0, high_ = 1;
+};
+
+void add_edges_within(const std::array<ShearedPoint, 3>& of, const std::array<ShearedPoint, 3>& face,
+                      const ShearedPoint& normal, PlaceSet& places) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        CutEdge edge(of[k], of[(k + 1) % 3]);
+        edge.keep_in_plane(normal, face[0]);
+        for (std::size_t j = 0; j < 3; ++j) edge.keep_above(cross(normal, face[(j + 1) % 3] - face[j]), face[j]);
+        edge.add_ends(places);
+    }
+}
+
+}  // namespace
+
+Shear::Shear(const Vec3d& direction, int axis, int unit) : axis_(axis), exponent_(unit), unit_(power_of_two(unit)) {
+    const int unit_of_direction = common_exponent(std::array{direction});
+    direction_ = in_units(direction, unit_of_direction);
+    const Integer length = direction_[axis] < 0 ? -direction_[axis] : direction_[axis];
+    step_ = Rational(mp::cpp_int(length)) * power_of_two(unit_of_direction) / unit_;
+}
+
+ShearedPoint Shear::operator()(const Vec3d& p) const {
+    const Vec3<Integer> at = in_units(p, exponent_);
+    const bool up = direction_[axis_] > 0;
+    const auto across = [&](int other) {
+        const Integer x = at[other] * direction_[axis_] - at[axis_] * direction_[other];
+        return Rational(mp::cpp_int(up ? x : -x));
+    };
+    return {across((axis_ + 1) % 3), across((axis_ + 2) % 3), Rational(mp::cpp_int(up ? at[axis_] : -at[axis_]))};
+}
+
+RationalPlace Shear::coordinates_of(const RationalPlace& place) const {
+    const Integer& along = direction_[axis_];
+    const Rational unit = unit_ / Rational(mp::cpp_int(along < 0 ? -along : along));
+    return unit * place;
+}
+
+ShearedFace::ShearedFace(const FaceCorners& corners, const Shear& shear, std::int32_t index)
+    : corner_{shear(corners[0]), shear(corners[1]), shear(corners[2])},
+      normal_(cross(corner_[1] - corner_[0], corner_[2] - corner_[0])),
+      index_(index) {}
+
+int ShearedFace::position(const RationalPlace& p) const { return std::min({side(0, p), side(1, p), side(2, p)}); }
+
+bool ShearedFace::contains_next_to(const RationalPlace& p, const RationalPlace& w) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const int at = side(k, p);
+        if (at < 0 || (at == 0 && jump() * sign(cross(edge(k), w)) <= 0)) return false;
+    }
+    return true;
+}
+
+Rational ShearedFace::height(const RationalPlace& p) const { return corner_[0].z + slope(p - place(0)); }
+
+void add_contact_places(const ShearedFace& a, const ShearedFace& b, const Rational& lift, PlaceSet& places) {
+    if (a.is_degenerate() || b.is_degenerate()) return;
+    const std::array p{a.corner(0), a.corner(1), a.corner(2)};
+    std::array q{b.corner(0), b.corner(1), b.corner(2)};
+    for (ShearedPoint& corner : q) corner.z += lift;
+    add_edges_within(p, q, b.normal(), places);
+    add_edges_within(q, p, a.normal(), places);
+}
+
+PlacePolygon::PlacePolygon(const ShearedFace& a, const ShearedFace& b) {
+    for (std::size_t k = 0; k < 3; ++k) corners_.push_back(a.place(a.jump() > 0 ? k : 2 - k));
+    for (std::size_t k = 0; k < 3; ++k) cut(b.place(k), Rational(b.jump()) * b.edge(k));
+}
+
+RationalPlace PlacePolygon::middle() const {
+    RationalPlace sum{0, 0};
+    for (const RationalPlace& p : corners_) sum = sum + p;
+    return Rational(1, static_cast<int>(corners_.size())) * sum;
+}
+
+void PlacePolygon::cut(const RationalPlace& p, const RationalPlace& w) {
+    std::vector<Rational> side;
+    bool any_left = false, any_right = false;
+    for (const RationalPlace& corner : corners_) {
+        side.push_back(cross(w, corner - p));
+        any_left = any_left || side.back() > 0;
+        any_right = any_right || side.back() < 0;
+    }
+    if (!any_right) return;
+    std::vector<RationalPlace> left;
+    for (std::size_t k = 0; k < corners_.size() && any_left; ++k) {
+        const std::size_t next = k + 1 == corners_.size() ? 0 : k + 1;
+        if (side[k] >= 0) left.push_back(corners_[k]);
+        if ((side[k] > 0 && side[next] < 0) || (side[k] < 0 && side[next] > 0)) {
+            const Rational share = side[k] / (side[k] - side[next]);
+            left.push_back(corners_[k] + share * (corners_[next] - corners_[k]));
+        }
+    }
+    corners_ = std::move(left);
+}
+
+std::pair<Rational, Rational> PlacePolygon::lifts(const ShearedFace& a, const ShearedFace& b) const {
+    std::pair<Rational, Rational> range;
+    for (std::size_t k = 0; k < corners_.size(); ++k) {
+        const Rational lift = a.height(corners_[k]) - b.height(corners_[k]);
+        if (k == 0 || lift < range.first) range.first = lift;
+        if (k == 0 || lift > range.second) range.second = lift;
+    }
+    return range;
+}
+
+}  // namespace crumple

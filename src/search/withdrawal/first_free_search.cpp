@@ -1,0 +1,502 @@
+#include "search/withdrawal/first_free_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <queue>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "exact/intersection/exact_intersection.h"
+#include "exact/withdrawal/exact_withdrawal.h"
+#include "exact/withdrawal/filtered_withdrawal.h"
+#include "exact/withdrawal/inside_column.h"
+#include "search/withdrawal/projected_tree.h"
+
+namespace crumple {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr std::int32_t samples_of_surface = 48;
+
+double rounded_down(const Rational& x) { return -rounded_up(-x); }
+
+/// Interval of float64 numbers that contains a rational number.
+struct Rounded {
+    double low, high;
+
+    explicit Rounded(const Rational& x) : low(rounded_down(x)), high(rounded_up(x)) {}
+};
+
+/// Returns a number that is at least x − y and exceeds it by little.
+double least_above_difference(double x, double y) { return std::nextafter(x - y, infinite); }
+
+int common_exponent_of(const PlacedSurface& a, const PlacedSurface& b) {
+    int exponent = std::numeric_limits<int>::max();
+    for (const PlacedSurface* surface : {&a, &b})
+        for (std::int32_t face = 0; face < surface->surface->face_count(); ++face)
+            for (const Vec3d& p : surface->corners(face))
+                if (p != Vec3d{}) exponent = std::min(exponent, common_exponent(std::array{p}));
+    return exponent == std::numeric_limits<int>::max() ? 0 : exponent;
+}
+
+double largest_coordinate_of(const Bounds& box) { return max(largest(abs(box.low)), largest(abs(box.high))); }
+
+/// Surface whose faces are found by their places.
+class ShearedSurface {
+   public:
+    ShearedSurface(const PlacedSurface& surface, const ProjectionAlong& projection, const Shear& shear,
+                   ParallelFor& workers, Cancellation& cancellation)
+        : surface_(surface),
+          projection_(projection),
+          shear_(shear),
+          tree_(surface, projection, workers, cancellation) {}
+
+    const PlacedSurface& surface() const { return surface_; }
+    ProjectedTree& tree() { return tree_; }
+    const ShearedFace& face(std::int32_t face);
+    /// Frees memory; invalidates references to faces.
+    void forget_faces() {
+        if (faces_.size() > most_cached_faces) faces_.clear();
+    }
+
+    /// Returns the faces whose closed projection contains a place, and that are not upright.
+    std::vector<const ShearedFace*> faces_at(const RationalPlace& place);
+    /// Returns the other faces whose boxes overlap that of a face, in the projection and in height.
+    std::vector<std::int32_t> neighbours(std::int32_t face);
+    /// True if a face meets no other face except at vertices and edges that they share.
+    bool is_clean(std::int32_t face);
+
+   private:
+    static constexpr std::size_t most_cached_faces = 4096;
+
+    template <class Test, class Visit>
+    void walk(Test test, Visit visit);
+
+    const PlacedSurface& surface_;
+    const ProjectionAlong& projection_;
+    const Shear& shear_;
+    ProjectedTree tree_;
+    std::unordered_map<std::int32_t, ShearedFace> faces_;
+    std::unordered_map<std::int32_t, bool> clean_;
+};
+
+const ShearedFace& ShearedSurface::face(std::int32_t face) {
+    const auto found = faces_.find(face);
+    if (found != faces_.end()) return found->second;
+    return faces_.emplace(face, ShearedFace(surface_.corners(face), shear_, face)).first->second;
+}
+
+/// Visits the triangles whose boxes, and those of all nodes above, pass a test.
+template <class Test, class Visit>
+void ShearedSurface::walk(Test test, Visit visit) {
+    std::vector<std::int32_t> stack{ProjectedTree::root};
+    while (!stack.empty()) {
+        const std::int32_t index = stack.back();
+        stack.pop_back();
+        const ProjectedTree::Node node = tree_.node(index);
+        if (!test(node.box)) continue;
+        if (!node.is_leaf()) {
+            const std::int32_t child = tree_.first_child(index);
+            stack.push_back(child);
+            stack.push_back(child + 1);
+            continue;
+        }
+        for (std::int32_t i = node.begin; i < node.end; ++i)
+            if (test(tree_.triangle(i).box)) visit(tree_.triangle(i).face);
+    }
+}
+
+std::vector<const ShearedFace*> ShearedSurface::faces_at(const RationalPlace& place) {
+    const RationalPlace scaled = Rational(projection_.scale()) * shear_.coordinates_of(place);
+    const Rounded u(scaled.u), v(scaled.v);
+    std::vector<const ShearedFace*> faces;
+    walk(
+        [&](const Bounds& box) {
+            return box.low.x <= u.high && box.high.x >= u.low && box.low.y <= v.high && box.high.y >= v.low;
+        },
+        [&](std::int32_t index) {
+            const ShearedFace& f = face(index);
+            if (!f.is_upright() && f.position(place) >= 0) faces.push_back(&f);
+        });
+    return faces;
+}
+
+std::vector<std::int32_t> ShearedSurface::neighbours(std::int32_t face) {
+    const Bounds own = projection_(surface_.corners(face));
+    std::vector<std::int32_t> faces;
+    walk([&](const Bounds& box) { return overlap(box, own); },
+         [&](std::int32_t other) {
+             if (other != face) faces.push_back(other);
+         });
+    return faces;
+}
+
+bool ShearedSurface::is_clean(std::int32_t face) {
+    const auto found = clean_.find(face);
+    if (found != clean_.end()) return found->second;
+    const auto triangle = [&](std::int32_t f) {
+        const std::int32_t* c = surface_.surface->corners(f);
+        return Triangle{surface_.corners(f), {c[0], c[1], c[2]}};
+    };
+    const std::vector<std::int32_t> others = neighbours(face);
+    return clean_[face] = std::none_of(others.begin(), others.end(), [&](std::int32_t other) {
+        return intersect_rationally(triangle(face), triangle(other)).collides;
+    });
+}
+
+/// Bounds on the t of two faces that one float64 filter gives; see enclose_withdrawal().
+class PairFilterAlong {
+   public:
+    PairFilterAlong(const Vec3d& direction, int axis) : direction_(direction), axis_(axis) {}
+
+    /// Returns bounds on the greatest t at which p and q + t · direction meet.
+    WithdrawalBounds last(const FaceCorners& p, const FaceCorners& q) const {
+        for (const FaceCorners* corners : {&p, &q})
+            for (const Vec3d& corner : *corners)
+                if (!in_double_word_range(corner)) return {-infinite, infinite};
+        if (!in_double_word_range(direction_)) return {-infinite, infinite};
+        return enclose_withdrawal(p, q, direction_, axis_);
+    }
+    /// Returns bounds on the least such t, in the same order.
+    WithdrawalBounds first(const FaceCorners& p, const FaceCorners& q) const {
+        const WithdrawalBounds bounds = PairFilterAlong(Vec3d{} - direction_, axis_).last(p, q);
+        return {-bounds.upper, -bounds.lower};
+    }
+
+   private:
+    const Vec3d direction_;
+    const int axis_;
+};
+
+class FirstFreeSearch {
+   public:
+    FirstFreeSearch(const PlacedSurface& a, const PlacedSurface& b, const Vec3d& direction, ParallelFor& workers,
+                    Cancellation& cancellation, FirstFreeCounts& counts)
+        : projection_(direction, max(largest_coordinate_of(a.box), largest_coordinate_of(b.box))),
+          shear_(direction, projection_.axis(), common_exponent_of(a, b)),
+          a_(a, projection_, shear_, workers, cancellation),
+          b_(b, projection_, shear_, workers, cancellation),
+          filter_(direction, projection_.axis()),
+          cancellation_(cancellation),
+          counts_(counts) {}
+
+    double find();
+
+   private:
+    struct NodePair {
+        double difference;  ///< greatest difference of heights
+        std::int32_t a, b;
+        friend auto operator<=>(const NodePair&, const NodePair&) = default;
+    };
+    /// Lift up to which the insides of two faces cross, and a place where they do.
+    struct PairEnd {
+        Rational high;
+        RationalPlace place;
+    };
+    using Faces = std::vector<const ShearedFace*>;
+
+    ShearedSurface& surface(std::size_t side) { return side == 0 ? a_ : b_; }
+
+    void add_sample(const RationalPlace& place);
+    void add_samples(std::size_t side);
+    std::optional<RationalPlace> place_within(std::size_t side, std::int32_t face);
+    bool is_generic(const Faces& faces, const RationalPlace& place) const;
+    bool advance_by_samples();
+
+    template <class Keep, class Visit>
+    void walk_pairs(Keep may_matter, Visit visit);
+    bool may_touch(const Bounds& p, const Bounds& q) const;
+    bool advance_by_pairs();
+    std::optional<PairEnd> end_of_pair(std::int32_t f, std::int32_t g);
+
+    bool advance_by_contacts();
+    bool advance_at(const RationalPlace& place);
+    Rational followed(const RationalPlace& place, const RationalPlace& w);
+    std::optional<Rational> followed(const Faces& a, const Faces& b, const RationalPlace& place);
+    bool cut_where_faces_cross(std::size_t side, const ShearedFace& face, const RationalPlace& place,
+                               PlacePolygon& polygon);
+    bool advance_by_components();
+
+    void set_lift(const Rational& lift);
+
+    ProjectionAlong projection_;
+    Shear shear_;
+    ShearedSurface a_, b_;
+    PairFilterAlong filter_;
+    Cancellation& cancellation_;
+    FirstFreeCounts& counts_;
+    Rational lift_ = 0;                    ///< the insides overlap at all smaller lifts
+    Rounded lift_in_coordinates_{0}, t_{0};  ///< bounds on lift_, in the unit of coordinates and of the direction
+    std::vector<LiftInterval> samples_;
+    bool has_components_ = false;  ///< true if samples_ has a column through each component
+};
+
+void FirstFreeSearch::set_lift(const Rational& lift) {
+    lift_ = lift;
+    lift_in_coordinates_ = Rounded(shear_.coordinate_of(lift));
+    t_ = Rounded(shear_.parameter_of(lift));
+}
+
+bool FirstFreeSearch::is_generic(const Faces& faces, const RationalPlace& place) const {
+    return std::all_of(faces.begin(), faces.end(), [&](const ShearedFace* f) { return f->position(place) > 0; });
+}
+
+// Adds the intervals of a column, unless it meets an edge.
+void FirstFreeSearch::add_sample(const RationalPlace& place) {
+    const Faces a = a_.faces_at(place), b = b_.faces_at(place);
+    if (!is_generic(a, place) || !is_generic(b, place)) return;
+    for (const LiftInterval& lifts : lifts_next_to(a, b, place, {1, 0})) samples_.push_back(lifts);
+}
+
+// Returns a place inside a face and inside no edge's projection. The places tried are on a curve that no line meets
+// more than twice, so one of them is good. Returns nothing for an upright face.
+std::optional<RationalPlace> FirstFreeSearch::place_within(std::size_t side, std::int32_t face) {
+    const ShearedFace f = surface(side).face(face);
+    if (f.is_upright()) return std::nullopt;
+    for (int k = 1;; ++k) {
+        cancellation_.check();
+        const int total = 10 + 3 * k + k * k;
+        const Rational x(10, total), y(3 * k, total);
+        const RationalPlace place = f.place(0) + x * (f.place(1) - f.place(0)) + y * (f.place(2) - f.place(0));
+        if (f.position(place) > 0 && is_generic(a_.faces_at(place), place) && is_generic(b_.faces_at(place), place))
+            return place;
+    }
+}
+
+void FirstFreeSearch::add_samples(std::size_t side) {
+    const std::int32_t count = surface(side).surface().surface->face_count();
+    const std::int32_t step = std::max(1, count / samples_of_surface);
+    for (std::int32_t face = 0; face < count; face += step) {
+        cancellation_.check();
+        if (const ShearedFace& f = surface(side).face(face); !f.is_upright())
+            add_sample(Rational(1, 3) * (f.place(0) + f.place(1) + f.place(2)));
+    }
+}
+
+bool FirstFreeSearch::advance_by_samples() {
+    Rational lift = lift_;
+    bool found = false;
+    do {
+        found = false;
+        for (const LiftInterval& lifts : samples_)
+            if (lifts.low < lift && lift < lifts.high) lift = lifts.high, found = true;
+    } while (found);
+    if (lift == lift_) return false;
+    ++counts_.samples;
+    set_lift(lift);
+    return true;
+}
+
+// True if the faces of two boxes may touch at the current lift.
+bool FirstFreeSearch::may_touch(const Bounds& p, const Bounds& q) const {
+    if (p.low.x > q.high.x || q.low.x > p.high.x || p.low.y > q.high.y || q.low.y > p.high.y) return false;
+    return least_above_difference(p.high.z, q.low.z) >= lift_in_coordinates_.low &&
+           -least_above_difference(q.high.z, p.low.z) <= lift_in_coordinates_.high;
+}
+
+/// Visits the pairs of faces that may touch at the current lift, those with the greatest difference of heights first.
+/// may_matter(difference): false for pairs that need not be visited.
+template <class Keep, class Visit>
+void FirstFreeSearch::walk_pairs(Keep may_matter, Visit visit) {
+    ProjectedTree &a = a_.tree(), &b = b_.tree();
+    std::priority_queue<NodePair> queue;
+    const auto add = [&](std::int32_t i, std::int32_t j) {
+        const ProjectedTree::Node &p = a.node(i), &q = b.node(j);
+        const double difference = least_above_difference(p.box.high.z, q.box.low.z);
+        if (!may_touch(p.box, q.box) || !may_matter(difference)) return;
+        if (!are_apart(p.rectangle, q.rectangle, projection_.margin())) queue.push({difference, i, j});
+    };
+    add(ProjectedTree::root, ProjectedTree::root);
+    for (std::int64_t visited = 0; !queue.empty() && may_matter(queue.top().difference); ++visited) {
+        if (visited % 256 == 0) cancellation_.check();
+        const NodePair pair = queue.top();
+        queue.pop();
+        const ProjectedTree::Node p = a.node(pair.a), q = b.node(pair.b);
+        if (!p.is_leaf() || !q.is_leaf()) {
+            const bool split_a = !p.is_leaf() && (q.is_leaf() || p.size() >= q.size());
+            const std::int32_t child = split_a ? a.first_child(pair.a) : b.first_child(pair.b);
+            for (const std::int32_t c : {child, child + 1}) split_a ? add(c, pair.b) : add(pair.a, c);
+            continue;
+        }
+        for (std::int32_t i = p.begin; i < p.end; ++i)
+            for (std::int32_t j = q.begin; j < q.end; ++j) {
+                const ProjectedTriangle &f = a.triangle(i), &g = b.triangle(j);
+                const double difference = least_above_difference(f.box.high.z, g.box.low.z);
+                if (!may_touch(f.box, g.box) || !may_matter(difference)) continue;
+                if (!are_apart(a.places(f), b.places(g), projection_.margin())) visit(f.face, g.face);
+            }
+    }
+}
+
+// Returns the end of the interval of lifts at which the insides of two faces cross, if it contains the current lift.
+std::optional<FirstFreeSearch::PairEnd> FirstFreeSearch::end_of_pair(std::int32_t f, std::int32_t g) {
+    const ShearedFace &p = a_.face(f), &q = b_.face(g);
+    if (p.is_upright() || q.is_upright()) return std::nullopt;
+    const PlacePolygon polygon(p, q);
+    if (polygon.is_empty()) return std::nullopt;
+    const auto [low, high] = polygon.lifts(p, q);
+    if (low >= lift_ || high <= lift_ || !a_.is_clean(f) || !b_.is_clean(g)) return std::nullopt;
+    return PairEnd{high, polygon.middle()};
+}
+
+bool FirstFreeSearch::advance_by_pairs() {
+    std::optional<PairEnd> best;
+    double t = t_.high;  // of `best`, rounded up
+    double least_difference = lift_in_coordinates_.low;
+    walk_pairs([&](double difference) { return difference > least_difference; },
+               [&](std::int32_t f, std::int32_t g) {
+                   const FaceCorners p = a_.surface().corners(f), q = b_.surface().corners(g);
+                   if (filter_.last(p, q).upper < t || filter_.first(p, q).lower > t_.high) return;
+                   const std::optional<PairEnd> end = end_of_pair(f, g);
+                   if (!end || (best && end->high <= best->high)) return;
+                   best = end;
+                   t = rounded_up(shear_.parameter_of(end->high));
+                   least_difference = rounded_down(shear_.coordinate_of(end->high));
+               });
+    if (!best) return false;
+    ++counts_.pairs;
+    set_lift(best->high);
+    add_sample(best->place);
+    return true;
+}
+
+// Advances if the insides overlap at the current lift next to a place where faces touch.
+bool FirstFreeSearch::advance_by_contacts() {
+    PlaceSet places;
+    walk_pairs([](double) { return true; },
+               [&](std::int32_t f, std::int32_t g) {
+                   cancellation_.check();
+                   add_contact_places(a_.face(f), b_.face(g), lift_, places);
+               });
+    for (const RationalPlace& place : places) {
+        cancellation_.check();
+        a_.forget_faces();
+        b_.forget_faces();
+        if (advance_at(place)) return true;
+    }
+    return false;
+}
+
+bool FirstFreeSearch::advance_at(const RationalPlace& place) {
+    const Faces a = a_.faces_at(place), b = b_.faces_at(place);
+    if (a.empty() || b.empty()) return false;
+    const std::vector<RationalPlace> sectors = sectors_around(a, b, lift_, place);
+    const auto overlapping = std::find_if(sectors.begin(), sectors.end(), [&](const RationalPlace& w) {
+        return overlap_next_to(a, b, lift_, place, w);
+    });
+    if (overlapping == sectors.end()) return false;
+    ++counts_.contacts;
+    Rational lift = lift_;
+    for (auto w = overlapping; w != sectors.end(); ++w)
+        for (const LiftInterval& lifts : lifts_next_to(a, b, place, *w))
+            if (lifts.low <= lift_ && lifts.high > lift) lift = lifts.high;
+    if (lift == lift_) lift = followed(place, *overlapping), ++counts_.followed;
+    set_lift(lift);
+    return true;
+}
+
+// Returns a lift such that the insides overlap at all lifts from the current one to that. They do so at the current one
+// next to the place, in direction w.
+Rational FirstFreeSearch::followed(const RationalPlace& place, const RationalPlace& w) {
+    // No line contains more than two of these places.
+    for (Rational e(1, 4);; e /= 16) {
+        cancellation_.check();
+        const RationalPlace near = place + e * w + (e * e) * RationalPlace{-w.v, w.u};
+        if (const std::optional<Rational> lift = followed(a_.faces_at(near), b_.faces_at(near), near)) return *lift;
+    }
+}
+
+// The same, from a place at which the overlap has a length. Returns nothing if there is no overlap or if the place is
+// on a line in which faces of one surface meet.
+std::optional<Rational> FirstFreeSearch::followed(const Faces& a, const Faces& b, const RationalPlace& place) {
+    if (!is_generic(a, place) || !is_generic(b, place)) return std::nullopt;
+    for (const LiftInterval& lifts : lifts_next_to(a, b, place, {1, 0})) {
+        if (lifts.low >= lift_ || lifts.high <= lift_) continue;
+        PlacePolygon polygon(*lifts.top_of_a, *lifts.bottom_of_b);
+        // As far as the two faces meet no other face of their surfaces, a is inside below its face, and b above its
+        // face. So their insides overlap at lifts that are a little less than the difference of heights.
+        if (!cut_where_faces_cross(0, *lifts.top_of_a, place, polygon) ||
+            !cut_where_faces_cross(1, *lifts.bottom_of_b, place, polygon))
+            return std::nullopt;
+        return polygon.lifts(*lifts.top_of_a, *lifts.bottom_of_b).second;
+    }
+    return std::nullopt;
+}
+
+// Cuts a polygon along the lines in which a face meets the planes of others, so that the part with the place remains.
+// Returns false if the place is on such a line.
+bool FirstFreeSearch::cut_where_faces_cross(std::size_t side, const ShearedFace& face, const RationalPlace& place,
+                                            PlacePolygon& polygon) {
+    bool ok = true;
+    const auto cut = [&](const RationalPlace& p, const RationalPlace& w) {
+        const Rational at = cross(w, place - p);
+        ok = ok && at != 0;
+        polygon.cut(p, at > 0 ? w : Rational(-1) * w);
+    };
+    for (const std::int32_t f : surface(side).neighbours(face.index())) {
+        const ShearedFace& other = surface(side).face(f);
+        if (other.is_degenerate()) continue;
+        if (other.is_upright()) {
+            for (std::size_t k = 0; k < 3; ++k)
+                if (const RationalPlace w = other.edge(k); !(w == RationalPlace{0, 0})) {
+                    cut(other.place(k), w);
+                    break;
+                }
+            continue;
+        }
+        const ShearedPoint &n = face.normal(), &m = other.normal();
+        const RationalPlace gradient{n.x * m.z - m.x * n.z, n.y * m.z - m.y * n.z}, w{-gradient.v, gradient.u};
+        const RationalPlace& from = face.place(0);
+        const Rational above = other.height(from) - face.height(from);
+        if (w == RationalPlace{0, 0}) {
+            for (std::size_t k = 0; k < 3 && above == 0; ++k) cut(other.place(k), other.edge(k));
+            continue;
+        }
+        // The heights are equal where above + slope · s = 0, at from + s · gradient.
+        const Rational slope = other.slope(gradient) - face.slope(gradient);
+        cut(from + (-above / slope) * gradient, w);
+    }
+    return ok;
+}
+
+bool FirstFreeSearch::advance_by_components() {
+    if (std::exchange(has_components_, true)) return false;
+    for (std::size_t side = 0; side < 2; ++side) {
+        const ClosedSurface& closed = *surface(side).surface().surface;
+        const Array<std::int32_t>& ends = closed.components();
+        for (std::size_t c = 0; c + 1 < ends.size(); ++c)
+            for (const std::int32_t face : closed.faces(ends[c], ends[c + 1])) {
+                const std::optional<RationalPlace> place = place_within(side, face);
+                if (!place) continue;
+                add_sample(*place);
+                break;
+            }
+    }
+    return advance_by_samples();
+}
+
+double FirstFreeSearch::find() {
+    for (std::size_t side = 0; side < 2; ++side) add_samples(side);
+    while (advance_by_samples() || advance_by_pairs() || advance_by_contacts() || advance_by_components()) {
+        cancellation_.check();
+        a_.forget_faces();
+        b_.forget_faces();
+    }
+    return rounded_up(shear_.parameter_of(lift_));
+}
+
+}  // namespace
+
+double find_first_free(const PlacedSurface& a, const PlacedSurface& b, const Vec3d& direction, ParallelFor& workers,
+                       Cancellation& cancellation, FirstFreeCounts& counts) {
+    if (a.surface->face_count() == 0 || b.surface->face_count() == 0) return 0;
+    return FirstFreeSearch(a, b, direction, workers, cancellation, counts).find();
+}
+
+}  // namespace crumple
