@@ -45,6 +45,7 @@ const std::vector<Group>& groups() {
           "regions",
           "depth-tolerance",
           "withdraw",
+          "first-free",
           "ignore-below",
           "clearance"}},
         {"Bodies", {"excluded-bodies", "excluded-bodies-from", "poses", "any-by-world"}},

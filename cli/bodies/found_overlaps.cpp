@@ -23,6 +23,7 @@ OverlapQuery query_of(const OverlapOptions& options, Output output, const BodySc
     query.regions = options.regions;
     query.depth_tolerance = options.depth_tolerance;
     query.directions = options.directions;
+    query.first_free = options.first_free;
     query.self_overlaps = options.self || scene.names().size() == 1;
     query.open = options.open;  // query.weld is not set: vertices are welded when files are read
     query.filter.excluded_bodies = scene.excluded(count);
@@ -66,10 +67,14 @@ void write_parts(std::ostream& out, const io::OverlapList& list, std::size_t row
         out << "  greatest depth between " << number_of_text(list.depth_reached[row]) << " and "
             << number_of_text(list.depth_bound[row]) << unit << '\n';
     const std::size_t directions = list.withdrawals.size() / list.rows.size();
-    for (std::size_t j = 0; j < directions; ++j)
-        if (const double t = list.withdrawals[row * directions + j]; !std::isnan(t))
-            out << "  direction " << j << ": the second body is free after " << number_of_text(t)
-                << " times the direction\n";
+    for (std::size_t j = 0; j < directions; ++j) {
+        const std::size_t at = row * directions + j;
+        if (std::isnan(list.withdrawals[at])) continue;
+        out << "  direction " << j << ": the second body is ";
+        if (!list.first_free.empty() && !std::isnan(list.first_free[at]))
+            out << "first free at " << number_of_text(list.first_free[at]) << ", and ";
+        out << "free after " << number_of_text(list.withdrawals[at]) << " times the direction\n";
+    }
     for (int number = 0; region < list.regions.size() && list.regions[region].row == static_cast<std::int32_t>(row);
          ++region, ++number) {
         const io::OverlapListRegion& r = list.regions[region];
@@ -121,6 +126,10 @@ void add_overlap_parts(CLI::App& app, OverlapOptions& options) {
            "of the direction; may be repeated; not in .csv")
         ->type_name("X,Y,Z")
         ->allow_extra_args(false);
+    app.add_flag(
+        "--first-free", options.first_free,
+        "with --withdraw: also how far the second body has to move until it does not overlap the first one for "
+        "the first time; not in .csv");
 }
 
 namespace {

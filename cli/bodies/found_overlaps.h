@@ -19,6 +19,7 @@ struct OverlapOptions {
     bool regions = false;
     double depth_tolerance = 0;
     std::vector<std::array<double, 3>> directions = {};
+    bool first_free = false;
     bool self = false;  ///< overlaps of each body with itself, too; implied if there is one body
     BodyOptions bodies;
 };

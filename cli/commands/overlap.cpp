@@ -62,6 +62,7 @@ struct OverlapCommand : SearchCommand {
             refuse(
                 "--regions, --depth-tolerance and --withdraw need all numbers of a row, so neither --body-pairs nor "
                 "--any-by-world");
+        if (overlap.first_free && overlap.directions.empty()) refuse("--first-free needs --withdraw");
         if (!overlap.bodies.any) return;
         if (overlap.bodies.poses.empty())
             refuse("--any-by-world needs --poses; to find out whether anything overlaps, use --check");

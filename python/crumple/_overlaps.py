@@ -50,6 +50,7 @@ _OPTION = {
     **dict.fromkeys(("box", "thickness"), "extents"),
     **dict.fromkeys(("union_volume", "intersection_over_union", "difference_volume"), "unions"),
     "withdrawals": "directions",
+    "first_free": "first_free",
     **dict.fromkeys(_OF_CURVES, "curves"),
     **dict.fromkeys(("gradient", "gradient_vertices", "gradient_offsets"), "gradient"),
     **dict.fromkeys(("windings", "winding_vertices", "winding_offsets"), "windings"),
@@ -209,6 +210,12 @@ class Overlaps(Result):
         "the first body of row i and the second one, moved by t times direction j, have a common point; 0 if there is "
         "none. NaN for a body with itself."
     )
+    first_free = float64(
+        "(k * d,) float64, for OverlapQuery(first_free=True, directions=...): first_free[d * i + j] is the least t >= 0 "
+        "at which the insides of the first body of row i and the second one, moved by t times direction j, do not "
+        "overlap, rounded up. Inside means that the winding number is not 0. At most the withdrawal; 0 if the bodies "
+        "only touch. NaN for a body with itself, and if a surface is not closed."
+    )
     translation_low = float64(
         "(k,) float64, for OverlapQuery(translation=True): lower bound on the length of every path of translations "
         "that separates the bodies; NaN unless both are known to be solids."
@@ -237,8 +244,9 @@ class Overlaps(Result):
         if _ORDER.index(self._request.output) < _ORDER.index(least):
             self._refuse(name, f'output="{least}"')
         if option is not None and option not in given and not of_mesh and not of_regions:
-            value = {"depth_tolerance": "0.01", "directions": "[(0, 0, 1)]"}.get(option, "True")
-            self._refuse(name, f"{option}={value}")
+            directions = "[(0, 0, 1)]"
+            values = {"depth_tolerance": "0.01", "directions": directions, "first_free": f"True, directions={directions}"}
+            self._refuse(name, f"{option}={values.get(option, 'True')}")
 
     def save(self, path: str | os.PathLike[str], *scene: Any) -> None:
         """Writes a picture in which overlaps are visible from outside.

@@ -246,6 +246,7 @@ class _CheckOverlaps(_Check):
         self._per_row(rows, {"translation": ("translation_low", "translation_high", "translation")})
         self._that(rows == 0 or len(found.withdrawals) % rows == 0, "withdrawals")
         self._that(has("directions") == bool(len(found.withdrawals)) or rows == 0, "withdrawals")
+        self._that(len(found.first_free) == (len(found.withdrawals) if has("first_free") else 0), "first_free")
         depths = len(found.depths)
         self._that(len(found.depth_points) == len(found.depth_triangles) == depths, "depths")
         self._that(len(found.deepest) == (rows if has("depths") else 0), "deepest")

@@ -424,6 +424,9 @@ class OverlapQuery(Query):
     directions : sequence of (x, y, z), default ()
         Directions along which the second body of each pair is moved away from the first one, for
         Overlaps.withdrawals; finite, not 0, of any length.
+    first_free : bool, default False
+        True: also computes the first motion along each direction at which the insides of two bodies do not overlap.
+        Needs directions.
     translation : bool, default False
         True: also computes bounds on the length of the least translation that separates two bodies.
     solids : bool, default False
@@ -455,6 +458,7 @@ class OverlapQuery(Query):
     depths: bool = False
     depth_tolerance: float = 0.0
     directions: Sequence[Sequence[float]] = ()
+    first_free: bool = False
     translation: bool = False
     solids: bool = False
     extents: bool = False

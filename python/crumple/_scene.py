@@ -175,7 +175,7 @@ RESULTS: dict[str, type[Result]] = {
 _OPTIONS = (
     *("index", "triangle_pairs", "closest", "least"),
     *("self_overlaps", "gradient", "curves", "windings", "depths", "depth_tolerance"),
-    *("directions", "translation", "extents", "unions", "regions"),
+    *("directions", "first_free", "translation", "extents", "unions", "regions"),
 )
 
 

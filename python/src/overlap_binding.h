@@ -63,6 +63,7 @@ void bind_overlap_arrays(Binding& result, OverlapsOf overlaps) {
     array(number, "intersection_over_union", &Overlaps::intersection_over_union);
     array(number, "difference_volume", &Overlaps::difference_volume, 2U);
     array(number, "withdrawals", &Overlaps::withdrawals);
+    array(number, "first_free", &Overlaps::first_free);
     array(number, "translation_low", &Overlaps::translation_low);
     array(number, "translation_high", &Overlaps::translation_high);
     array(number, "translation", &Overlaps::translation, 3U);

@@ -115,6 +115,7 @@ void read(nb::handle given, OverlapQuery& query) {
     query.depths = flag_of(given, "depths");
     query.depth_tolerance = real_of(given, "depth_tolerance");
     query.directions = vectors("directions", given.attr("directions"));
+    query.first_free = flag_of(given, "first_free");
     query.translation = flag_of(given, "translation");
     query.solids = flag_of(given, "solids");
     query.extents = flag_of(given, "extents");

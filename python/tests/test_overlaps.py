@@ -214,6 +214,19 @@ def test_blocks_follow_each_other_as_in_the_whole_result(backend, block_rows):
         detector.stream(world, crumple.OverlapQuery(output="any"), blocks.append)
 
 
+def test_first_free_motion_ends_before_later_contacts(detector):
+    directions = [(0, 0, 2), (-1, 0, 0)]
+    slabs = crumple.Mesh(
+        np.concatenate([UNIT.vertices, UNIT.vertices + [0, 0, 4]]),
+        np.concatenate([UNIT.faces, UNIT.faces + len(UNIT.vertices)]),
+    )
+    found = detector.overlaps(slabs, box([0.25, 0.25, 0.75]), directions=directions, first_free=True)
+    assert found.first_free.tolist() == [0.125, 1.25]
+    assert found.withdrawals.tolist() == [2.125, 1.25]
+    with pytest.raises(crumple.InvalidInput, match=r"OverlapQuery\(first_free=True, directions=\[\(0, 0, 1\)\]\)"):
+        _ = detector.overlaps(UNIT, UNIT, directions=directions).first_free
+
+
 def test_error_explains_how_to_request_a_missing_array(detector):
     found = detector.overlaps(UNIT, UNIT, output="body_pairs")
     with pytest.raises(crumple.InvalidInput, match=r'volume was not requested: OverlapQuery\(output="pairs"\)'):
@@ -245,6 +258,7 @@ def test_error_explains_how_to_request_a_missing_array(detector):
         ({"directions": [(0, 0, float("inf"))]}, "directions must be finite"),
         ({"directions": [(0, 0)]}, "directions must have three coordinates each"),
         ({"directions": (0, 0, 1)}, "directions must be a sequence of directions"),
+        ({"first_free": True}, "first_free needs directions"),
     ],
 )
 def test_invalid_options_are_refused(detector, options, message):
@@ -259,6 +273,7 @@ def test_results_can_be_copied_and_pickled(detector):
         unions=True,
         depth_tolerance=0.01,
         directions=[(1, 0, 0)],
+        first_free=True,
     )
     for same in (pickle.loads(pickle.dumps(found)), copy.copy(found), copy.deepcopy(found)):
         for name in (
@@ -290,6 +305,7 @@ def test_results_can_be_copied_and_pickled(detector):
             "deepest",
             "depth_bound",
             "withdrawals",
+            "first_free",
             "translation_low",
         ):
             np.testing.assert_array_equal(getattr(same, name), getattr(found, name), name)

@@ -55,7 +55,8 @@ void clear(Overlaps& result) {
 }
 
 std::size_t bytes_of(const OverlapRow& row) {
-    std::size_t bytes = bytes_of(row.curves) + bytes_of(row.regions) + bytes_of(row.withdrawals) + bytes_of(row.first_free);
+    std::size_t bytes =
+        bytes_of(row.curves) + bytes_of(row.regions) + bytes_of(row.withdrawals) + bytes_of(row.first_free);
     for (std::size_t side = 0; side < 2; ++side)
         bytes += bytes_of(row.gradient[side]) + bytes_of(row.windings[side]) + bytes_of(row.depths[side]);
     for (const OverlapCurve& curve : row.curves) bytes += bytes_of(curve.points) + bytes_of(curve.triangles);

@@ -90,8 +90,8 @@ struct OverlapRow {
     UnionVolumes unions;
     DepthBounds depth_bounds{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
     std::vector<double> withdrawals, first_free;  ///< by direction of the query; empty if they are undefined
-    TranslationBounds translation;    ///< the lower bound holds for solids
-    double body_volume = 0;           ///< set for the overlap of a body with itself: the volume of that body
+    TranslationBounds translation;                ///< the lower bound holds for solids
+    double body_volume = 0;  ///< set for the overlap of a body with itself: the volume of that body
 };
 
 /// Returns the bytes of a row's lists.

@@ -105,6 +105,19 @@ TEST_F(Overlap, regions_depths_and_withdrawals_are_printed_and_written) {
     EXPECT_EQ(crumple("verify --overlaps low.off pin.off far.off a.json").status, 0);
 }
 
+TEST_F(Overlap, first_free_motion_is_printed_and_written) {
+    write("peg.off", box_off({0.25, 0.25, 0.75}, {0.75, 0.75, 1.75}));
+    write("slabs.off", two_boxes({0, 0, 0}, {1, 1, 1}, {0, 0, 4}, {1, 1, 5}));
+    const std::string parts = "slabs.off peg.off --withdraw 0,0,2 --withdraw -1,0,0 --first-free ";
+    EXPECT_TRUE(contains(text(parts, "1 pair"),
+                         "\n  direction 0: the second body is first free at 0.125, and free after 2.125 times the "
+                         "direction\n  direction 1: the second body is first free at 0.75, and free after 0.75 times "
+                         "the direction\n"));
+    ASSERT_EQ(crumple("overlap " + parts + "-o a.json -o a.npz").status, 0);
+    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["first_free"].dump(), "[[0.125,0.75]]");
+    EXPECT_TRUE(contains(read("a.npz"), "first_free.npy"));
+}
+
 TEST_F(Overlap, backends_and_thread_counts_give_the_same_bytes) {
     const std::string files = "low.off high.off on.off small.off -o - --format csv ";
     const std::string one = crumple("overlap " + files + "--threads 1").out;
@@ -371,6 +384,7 @@ TEST_F(Overlap, wrong_options_are_refused) {
         expect_refused(std::string("overlap low.off high.off --withdraw \"") + direction + '"',
                        "a direction is written as 0,0,1");
     expect_refused("overlap low.off high.off --withdraw 0,0,0", "the direction must not be 0");
+    expect_refused("overlap low.off high.off --first-free", "--first-free needs --withdraw");
     expect_refused("overlap - -", "standard input, -, can be read only once");
     write("list.csv", heading);
     expect_refused("verify low.off high.off list.csv --min-volume 1", "--min-volume needs --overlaps");

@@ -55,6 +55,7 @@ TEST_P(OverlapAgreement, bodies_off_the_grid_match_brute_force) {
                                 .extents = true,
                                 .depths = true,
                                 .directions = {{0, 0, 1}, {-1, 0.5, 2}},
+                                .first_free = seed % 5 == 0,
                                 .translation = true,
                                 .solids = seed % 3 == 0,
                                 .unions = true,

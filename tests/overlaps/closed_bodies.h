@@ -32,6 +32,7 @@ inline const OverlapQuery everything{.self_overlaps = true,
                                      .depths = true,
                                      .depth_tolerance = 0.5,
                                      .directions = {{1, 0, 0}, {-1, 2, 0.25}},
+                                     .first_free = true,
                                      .translation = true,
                                      .unions = true,
                                      .regions = true};

@@ -15,11 +15,9 @@ namespace {
 
 /// Segment of the plane; u of `from` is less than u of `to`.
 struct PlaneSegment {
-    RationalPlace from, to;
+    ShearedPlace from, to;
 
-    Rational v_at(const Rational& u) const {
-        return from.v + (u - from.u) / (to.u - from.u) * (to.v - from.v);
-    }
+    Rational v_at(const Rational& u) const { return from.v + (u - from.u) / (to.u - from.u) * (to.v - from.v); }
 };
 
 /// Open interval of t.
@@ -32,7 +30,7 @@ struct FaceInterval {
     std::size_t bottom, top;
 };
 
-using Corners = std::array<RationalPlace, 4>;
+using Corners = std::array<ShearedPlace, 4>;
 
 /// Sweeps the plane.
 class OverlapIntervals {
@@ -56,7 +54,7 @@ class OverlapIntervals {
     }
 
    private:
-    void add_segment(const RationalPlace& p, const RationalPlace& q) {
+    void add_segment(const ShearedPlace& p, const ShearedPlace& q) {
         borders_.insert(p.u);
         borders_.insert(q.u);
         if (p.u != q.u) segments_.push_back(p.u < q.u ? PlaneSegment{p, q} : PlaneSegment{q, p});
@@ -71,11 +69,11 @@ class OverlapIntervals {
     }
 
     void add_crossing(const ShearedFace& f, const ShearedFace& g) {
-        const std::vector<RationalPlace> corners = PlacePolygon(f, g).corners();
-        std::vector<RationalPlace> ends;
-        const auto above = [&](const RationalPlace& p) { return f.height(p) - g.height(p); };
+        const std::vector<ShearedPlace> corners = PlacePolygon(f, g).corners();
+        std::vector<ShearedPlace> ends;
+        const auto above = [&](const ShearedPlace& p) { return f.height(p) - g.height(p); };
         for (std::size_t k = 0; k < corners.size(); ++k) {
-            const RationalPlace &p = corners[k], &q = corners[(k + 1) % corners.size()];
+            const ShearedPlace &p = corners[k], &q = corners[(k + 1) % corners.size()];
             const Rational start = above(p), end = above(q);
             if (start == 0) ends.push_back(p);
             if ((start > 0 && end < 0) || (start < 0 && end > 0)) ends.push_back(p + start / (start - end) * (q - p));
@@ -95,7 +93,7 @@ class OverlapIntervals {
         for (std::size_t i = 0; i < segments_.size(); ++i)
             for (std::size_t j = 0; j < i; ++j) {
                 const PlaneSegment &s = segments_[i], &t = segments_[j];
-                const RationalPlace along = s.to - s.from, other = t.to - t.from;
+                const ShearedPlace along = s.to - s.from, other = t.to - t.from;
                 const Rational divisor = cross(along, other);
                 if (divisor == 0) continue;
                 const Rational share = cross(t.from - s.from, other) / divisor,
@@ -118,7 +116,7 @@ class OverlapIntervals {
         for (std::size_t f = 0; f < faces.size(); ++f) {
             std::vector<Rational> crossings;
             for (std::size_t k = 0; k < 3; ++k) {
-                const RationalPlace p = faces[f].place(k), edge = faces[f].edge(k);
+                const ShearedPlace p = faces[f].place(k), edge = faces[f].edge(k);
                 if ((p.u < u) != (p.u + edge.u < u)) crossings.push_back(p.v + (u - p.u) / edge.u * edge.v);
             }
             if (crossings.size() != 2) continue;
@@ -141,16 +139,16 @@ class OverlapIntervals {
         for (std::size_t i = 0; i + 1 < active.size(); ++i) {
             if (active[i].first == active[i + 1].first) continue;
             const PlaneSegment &below = *active[i].second, &above = *active[i + 1].second;
-            const Corners corners{RationalPlace{low, below.v_at(low)}, RationalPlace{low, above.v_at(low)},
-                                  RationalPlace{high, below.v_at(high)}, RationalPlace{high, above.v_at(high)}};
-            const RationalPlace inner{middle, (active[i].first + active[i + 1].first) / 2};
+            const Corners corners{ShearedPlace{low, below.v_at(low)}, ShearedPlace{low, above.v_at(low)},
+                                  ShearedPlace{high, below.v_at(high)}, ShearedPlace{high, above.v_at(high)}};
+            const ShearedPlace inner{middle, (active[i].first + active[i + 1].first) / 2};
             const std::vector<FaceInterval> of_b = insides(faces_[1], b, inner);
             if (!of_b.empty()) add_intervals(insides(faces_[0], a, inner), of_b, corners);
         }
     }
 
     static std::vector<FaceInterval> insides(const std::vector<ShearedFace>& faces,
-                                             const std::vector<ActiveFace>& active, const RationalPlace& p) {
+                                             const std::vector<ActiveFace>& active, const ShearedPlace& p) {
         std::vector<std::pair<Rational, std::size_t>> crossed;
         for (const ActiveFace& face : active)
             if (face.low < p.v && p.v < face.high) crossed.emplace_back(faces[face.index].height(p), face.index);
@@ -174,7 +172,7 @@ class OverlapIntervals {
             for (const FaceInterval& y : b) {
                 OpenInterval t;
                 for (std::size_t k = 0; k < 4; ++k) {
-                    const RationalPlace& p = corners[k];
+                    const ShearedPlace& p = corners[k];
                     const Rational low = faces_[0][x.bottom].height(p) - faces_[1][y.top].height(p),
                                    high = faces_[0][x.top].height(p) - faces_[1][y.bottom].height(p);
                     if (k == 0 || low < t.low) t.low = low;

@@ -15,8 +15,8 @@ struct ColumnCrossing {
     const ShearedFace* face;
 };
 
-void add_crossings(FacesOfColumn faces, std::size_t body, const Rational& lift, const RationalPlace& p,
-                   const RationalPlace& w, std::vector<ColumnCrossing>& crossings) {
+void add_crossings(FacesOfColumn faces, std::size_t body, const Rational& lift, const ShearedPlace& p,
+                   const ShearedPlace& w, std::vector<ColumnCrossing>& crossings) {
     for (const ShearedFace* face : faces) {
         if (face->is_upright() || !face->contains_next_to(p, w)) continue;
         ColumnCrossing& crossing = crossings.emplace_back();
@@ -28,16 +28,16 @@ void add_crossings(FacesOfColumn faces, std::size_t body, const Rational& lift, 
 }
 
 /// Half of the plane in which a direction points: directions are sorted by it, then by the sign of cross products.
-bool is_in_upper_half(const RationalPlace& w) { return w.v > 0 || (w.v == 0 && w.u > 0); }
+bool is_in_upper_half(const ShearedPlace& w) { return w.v > 0 || (w.v == 0 && w.u > 0); }
 
-bool is_before_by_angle(const RationalPlace& w, const RationalPlace& x) {
+bool is_before_by_angle(const ShearedPlace& w, const ShearedPlace& x) {
     const bool upper = is_in_upper_half(w), other_upper = is_in_upper_half(x);
     return upper != other_upper ? upper : cross(w, x) > 0;
 }
 
 }  // namespace
 
-std::vector<InsideInterval> insides_next_to(FacesOfColumn faces, const RationalPlace& p, const RationalPlace& w) {
+std::vector<InsideInterval> insides_next_to(FacesOfColumn faces, const ShearedPlace& p, const ShearedPlace& w) {
     std::vector<ColumnCrossing> crossings;
     add_crossings(faces, 0, 0, p, w, crossings);
     std::sort(crossings.begin(), crossings.end(),
@@ -55,8 +55,8 @@ std::vector<InsideInterval> insides_next_to(FacesOfColumn faces, const RationalP
     return intervals;
 }
 
-std::vector<LiftInterval> lifts_next_to(FacesOfColumn a, FacesOfColumn b, const RationalPlace& p,
-                                        const RationalPlace& w) {
+std::vector<LiftInterval> lifts_next_to(FacesOfColumn a, FacesOfColumn b, const ShearedPlace& p,
+                                        const ShearedPlace& w) {
     std::vector<LiftInterval> lifts;
     const std::vector<InsideInterval> of_b = insides_next_to(b, p, w);
     if (of_b.empty()) return lifts;
@@ -65,11 +65,11 @@ std::vector<LiftInterval> lifts_next_to(FacesOfColumn a, FacesOfColumn b, const 
     return lifts;
 }
 
-std::vector<RationalPlace> sectors_around(FacesOfColumn a, FacesOfColumn b, const Rational& lift,
-                                          const RationalPlace& p) {
-    std::vector<RationalPlace> borders{{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
-    const auto add = [&](const RationalPlace& w) {
-        if (w == RationalPlace{0, 0}) return;
+std::vector<ShearedPlace> sectors_around(FacesOfColumn a, FacesOfColumn b, const Rational& lift,
+                                         const ShearedPlace& p) {
+    std::vector<ShearedPlace> borders{{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    const auto add = [&](const ShearedPlace& w) {
+        if (w == ShearedPlace{0, 0}) return;
         borders.push_back(w);
         borders.push_back(Rational(-1) * w);
     };
@@ -85,20 +85,20 @@ std::vector<RationalPlace> sectors_around(FacesOfColumn a, FacesOfColumn b, cons
         for (std::size_t j = 0; j < i; ++j) {
             if (at[i].first != at[j].first) continue;
             const ShearedPoint &n = at[i].second->normal(), &m = at[j].second->normal();
-            const RationalPlace gradient{n.x * m.z - m.x * n.z, n.y * m.z - m.y * n.z};
+            const ShearedPlace gradient{n.x * m.z - m.x * n.z, n.y * m.z - m.y * n.z};
             add({-gradient.v, gradient.u});
         }
     std::sort(borders.begin(), borders.end(), is_before_by_angle);
-    std::vector<RationalPlace> sectors;
+    std::vector<ShearedPlace> sectors;
     for (std::size_t i = 0; i < borders.size(); ++i) {
-        const RationalPlace &from = borders[i], &to = borders[i + 1 == borders.size() ? 0 : i + 1];
+        const ShearedPlace &from = borders[i], &to = borders[i + 1 == borders.size() ? 0 : i + 1];
         if (cross(from, to) != 0) sectors.push_back(from + to);
     }
     return sectors;
 }
 
-bool overlap_next_to(FacesOfColumn a, FacesOfColumn b, const Rational& lift, const RationalPlace& p,
-                     const RationalPlace& w) {
+bool overlap_next_to(FacesOfColumn a, FacesOfColumn b, const Rational& lift, const ShearedPlace& p,
+                     const ShearedPlace& w) {
     std::vector<ColumnCrossing> crossings;
     add_crossings(a, 0, 0, p, w, crossings);
     add_crossings(b, 1, lift, p, w, crossings);

@@ -30,20 +30,18 @@ struct LiftInterval {
 
 /// Returns the inside intervals at p + e · w of the body with these faces, from the lowest. `faces`: those of the body
 /// that contain the column and are not upright; others do no harm.
-std::vector<InsideInterval> insides_next_to(FacesOfColumn faces, const RationalPlace& p, const RationalPlace& w);
+std::vector<InsideInterval> insides_next_to(FacesOfColumn faces, const ShearedPlace& p, const ShearedPlace& w);
 
 /// Returns the lifts for all pairs of an interval of a and one of b.
-std::vector<LiftInterval> lifts_next_to(FacesOfColumn a, FacesOfColumn b, const RationalPlace& p,
-                                        const RationalPlace& w);
+std::vector<LiftInterval> lifts_next_to(FacesOfColumn a, FacesOfColumn b, const ShearedPlace& p, const ShearedPlace& w);
 
 /// Returns a direction in each sector around p. Within a sector, no face ends and no two faces that meet at p, with b
 /// lifted by `lift`, change their order.
-std::vector<RationalPlace> sectors_around(FacesOfColumn a, FacesOfColumn b, const Rational& lift,
-                                          const RationalPlace& p);
+std::vector<ShearedPlace> sectors_around(FacesOfColumn a, FacesOfColumn b, const Rational& lift, const ShearedPlace& p);
 
 /// True if the insides of a and of b, lifted by `lift`, overlap at p + e · w for all small e > 0. The overlap may be
 /// infinitely short. `w`: one of sectors_around().
-bool overlap_next_to(FacesOfColumn a, FacesOfColumn b, const Rational& lift, const RationalPlace& p,
-                     const RationalPlace& w);
+bool overlap_next_to(FacesOfColumn a, FacesOfColumn b, const Rational& lift, const ShearedPlace& p,
+                     const ShearedPlace& w);
 
 }  // namespace crumple

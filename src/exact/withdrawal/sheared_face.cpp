@@ -68,7 +68,7 @@ ShearedPoint Shear::operator()(const Vec3d& p) const {
     return {across((axis_ + 1) % 3), across((axis_ + 2) % 3), Rational(mp::cpp_int(up ? at[axis_] : -at[axis_]))};
 }
 
-RationalPlace Shear::coordinates_of(const RationalPlace& place) const {
+ShearedPlace Shear::coordinates_of(const ShearedPlace& place) const {
     const Integer& along = direction_[axis_];
     const Rational unit = unit_ / Rational(mp::cpp_int(along < 0 ? -along : along));
     return unit * place;
@@ -79,9 +79,9 @@ ShearedFace::ShearedFace(const FaceCorners& corners, const Shear& shear, std::in
       normal_(cross(corner_[1] - corner_[0], corner_[2] - corner_[0])),
       index_(index) {}
 
-int ShearedFace::position(const RationalPlace& p) const { return std::min({side(0, p), side(1, p), side(2, p)}); }
+int ShearedFace::position(const ShearedPlace& p) const { return std::min({side(0, p), side(1, p), side(2, p)}); }
 
-bool ShearedFace::contains_next_to(const RationalPlace& p, const RationalPlace& w) const {
+bool ShearedFace::contains_next_to(const ShearedPlace& p, const ShearedPlace& w) const {
     for (std::size_t k = 0; k < 3; ++k) {
         const int at = side(k, p);
         if (at < 0 || (at == 0 && jump() * sign(cross(edge(k), w)) <= 0)) return false;
@@ -89,7 +89,7 @@ bool ShearedFace::contains_next_to(const RationalPlace& p, const RationalPlace& 
     return true;
 }
 
-Rational ShearedFace::height(const RationalPlace& p) const { return corner_[0].z + slope(p - place(0)); }
+Rational ShearedFace::height(const ShearedPlace& p) const { return corner_[0].z + slope(p - place(0)); }
 
 void add_contact_places(const ShearedFace& a, const ShearedFace& b, const Rational& lift, PlaceSet& places) {
     if (a.is_degenerate() || b.is_degenerate()) return;
@@ -105,22 +105,22 @@ PlacePolygon::PlacePolygon(const ShearedFace& a, const ShearedFace& b) {
     for (std::size_t k = 0; k < 3; ++k) cut(b.place(k), Rational(b.jump()) * b.edge(k));
 }
 
-RationalPlace PlacePolygon::middle() const {
-    RationalPlace sum{0, 0};
-    for (const RationalPlace& p : corners_) sum = sum + p;
+ShearedPlace PlacePolygon::middle() const {
+    ShearedPlace sum{0, 0};
+    for (const ShearedPlace& p : corners_) sum = sum + p;
     return Rational(1, static_cast<int>(corners_.size())) * sum;
 }
 
-void PlacePolygon::cut(const RationalPlace& p, const RationalPlace& w) {
+void PlacePolygon::cut(const ShearedPlace& p, const ShearedPlace& w) {
     std::vector<Rational> side;
     bool any_left = false, any_right = false;
-    for (const RationalPlace& corner : corners_) {
+    for (const ShearedPlace& corner : corners_) {
         side.push_back(cross(w, corner - p));
         any_left = any_left || side.back() > 0;
         any_right = any_right || side.back() < 0;
     }
     if (!any_right) return;
-    std::vector<RationalPlace> left;
+    std::vector<ShearedPlace> left;
     for (std::size_t k = 0; k < corners_.size() && any_left; ++k) {
         const std::size_t next = k + 1 == corners_.size() ? 0 : k + 1;
         if (side[k] >= 0) left.push_back(corners_[k]);

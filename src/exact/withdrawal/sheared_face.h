@@ -2,8 +2,8 @@
 
 // Faces in coordinates in which a direction is vertical, in rational arithmetic. Host only.
 //
-// A sheared point (x, y, z) has a *place* (x, y), the same for all points of a line along the direction, and a height z.
-// A motion along the direction changes heights only. Such coordinates are integers.
+// A sheared point (x, y, z) has a *place* (x, y), the same for all points of a line along the direction, and a height
+// z. A motion along the direction changes heights only. Such coordinates are integers.
 
 #include <array>
 #include <cstddef>
@@ -17,27 +17,25 @@
 namespace crumple {
 
 /// Place, or direction of a motion of places.
-struct RationalPlace {
+struct ShearedPlace {
     Rational u, v;
 
-    friend bool operator==(const RationalPlace&, const RationalPlace&) = default;
-    friend RationalPlace operator+(const RationalPlace& p, const RationalPlace& q) { return {p.u + q.u, p.v + q.v}; }
-    friend RationalPlace operator-(const RationalPlace& p, const RationalPlace& q) { return {p.u - q.u, p.v - q.v}; }
-    friend RationalPlace operator*(const Rational& s, const RationalPlace& p) { return {s * p.u, s * p.v}; }
-    friend Rational cross(const RationalPlace& p, const RationalPlace& q) { return p.u * q.v - p.v * q.u; }
-    friend Rational dot(const RationalPlace& p, const RationalPlace& q) { return p.u * q.u + p.v * q.v; }
+    friend bool operator==(const ShearedPlace&, const ShearedPlace&) = default;
+    friend ShearedPlace operator+(const ShearedPlace& p, const ShearedPlace& q) { return {p.u + q.u, p.v + q.v}; }
+    friend ShearedPlace operator-(const ShearedPlace& p, const ShearedPlace& q) { return {p.u - q.u, p.v - q.v}; }
+    friend ShearedPlace operator*(const Rational& s, const ShearedPlace& p) { return {s * p.u, s * p.v}; }
+    friend Rational cross(const ShearedPlace& p, const ShearedPlace& q) { return p.u * q.v - p.v * q.u; }
+    friend Rational dot(const ShearedPlace& p, const ShearedPlace& q) { return p.u * q.u + p.v * q.v; }
 };
 
 struct BeforeInPlane {
-    bool operator()(const RationalPlace& p, const RationalPlace& q) const {
-        return p.u != q.u ? p.u < q.u : p.v < q.v;
-    }
+    bool operator()(const ShearedPlace& p, const ShearedPlace& q) const { return p.u != q.u ? p.u < q.u : p.v < q.v; }
 };
-using PlaceSet = std::set<RationalPlace, BeforeInPlane>;
+using PlaceSet = std::set<ShearedPlace, BeforeInPlane>;
 
 using ShearedPoint = Vec3<Rational>;
 
-inline RationalPlace place_of(const ShearedPoint& p) { return {p.x, p.y}; }
+inline ShearedPlace place_of(const ShearedPoint& p) { return {p.x, p.y}; }
 
 /// Conversion to sheared coordinates.
 class Shear {
@@ -52,7 +50,7 @@ class Shear {
     /// Returns a difference of heights in the unit of the coordinates.
     Rational coordinate_of(const Rational& height) const { return height * unit_; }
     /// Returns a place in the unit of the coordinates, relative to which ProjectionAlong (search/withdrawal/) rounds.
-    RationalPlace coordinates_of(const RationalPlace& place) const;
+    ShearedPlace coordinates_of(const ShearedPlace& place) const;
 
    private:
     int axis_, exponent_;
@@ -68,9 +66,9 @@ class ShearedFace {
 
     std::int32_t index() const { return index_; }
     const ShearedPoint& corner(std::size_t k) const { return corner_[k]; }
-    RationalPlace place(std::size_t k) const { return place_of(corner_[k]); }
+    ShearedPlace place(std::size_t k) const { return place_of(corner_[k]); }
     /// Returns the vector from corner k to the next one, without its height.
-    RationalPlace edge(std::size_t k) const { return place(k == 2 ? 0 : k + 1) - place(k); }
+    ShearedPlace edge(std::size_t k) const { return place(k == 2 ? 0 : k + 1) - place(k); }
 
     bool is_degenerate() const { return normal_ == ShearedPoint{}; }
     bool is_upright() const { return normal_.z == 0; }
@@ -79,17 +77,17 @@ class ShearedFace {
     int jump() const { return normal_.z > 0 ? 1 : -1; }
 
     /// Position of a place relative to a face that is not upright: 1 inside, 0 on the border, −1 outside.
-    int position(const RationalPlace& p) const;
+    int position(const ShearedPlace& p) const;
     /// True if the places p + e · w, e → 0+, are inside the face. `w` must not be parallel to an edge through p.
-    bool contains_next_to(const RationalPlace& p, const RationalPlace& w) const;
+    bool contains_next_to(const ShearedPlace& p, const ShearedPlace& w) const;
     /// Returns the height at a place in the plane of a face that is not upright.
-    Rational height(const RationalPlace& p) const;
+    Rational height(const ShearedPlace& p) const;
     /// Returns how much the height changes along w.
-    Rational slope(const RationalPlace& w) const { return -(normal_.x * w.u + normal_.y * w.v) / normal_.z; }
+    Rational slope(const ShearedPlace& w) const { return -(normal_.x * w.u + normal_.y * w.v) / normal_.z; }
 
    private:
     /// Side of edge k on which p lies: 1 if it is that of the face.
-    int side(std::size_t k, const RationalPlace& p) const { return jump() * sign(cross(edge(k), p - place(k))); }
+    int side(std::size_t k, const ShearedPlace& p) const { return jump() * sign(cross(edge(k), p - place(k))); }
     static int sign(const Rational& x) { return (x > 0) - (x < 0); }
 
     std::array<ShearedPoint, 3> corner_;
@@ -108,18 +106,18 @@ class PlacePolygon {
     PlacePolygon(const ShearedFace& a, const ShearedFace& b);
 
     bool is_empty() const { return corners_.size() < 3; }
-    const std::vector<RationalPlace>& corners() const { return corners_; }
+    const std::vector<ShearedPlace>& corners() const { return corners_; }
     /// Returns the mean of the corners.
-    RationalPlace middle() const;
+    ShearedPlace middle() const;
 
     /// Cuts off the part on the right of the line through p along w.
-    void cut(const RationalPlace& p, const RationalPlace& w);
+    void cut(const ShearedPlace& p, const ShearedPlace& w);
 
     /// Returns the least and the greatest height of a above b over the polygon.
     std::pair<Rational, Rational> lifts(const ShearedFace& a, const ShearedFace& b) const;
 
    private:
-    std::vector<RationalPlace> corners_;
+    std::vector<ShearedPlace> corners_;
 };
 
 }  // namespace crumple

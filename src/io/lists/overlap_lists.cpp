@@ -84,7 +84,9 @@ void add_parts(const OverlapList& list, std::vector<ListMember>& members) {
     add("depth_reached", list.depth_reached, 1);
     add("depth_bound", list.depth_bound, 1);
     add("directions", list.directions, 3);
-    if (!list.rows.empty()) add("withdrawals", list.withdrawals, list.withdrawals.size() / list.rows.size());
+    const std::size_t count = list.directions.size() / 3;
+    add("withdrawals", list.withdrawals, count);
+    add("first_free", list.first_free, count);
     if (list.regions.empty()) return;
     members.push_back(member_of(ListArray{"region_rows", NumberType::int32, 1}, list.regions,
                                 [](const OverlapListRegion& region) { return std::array{region.row}; }));
@@ -297,7 +299,7 @@ void OverlapList::add(const Overlaps& overlaps, std::int32_t bodies, std::int32_
     }
     for (const auto& [from, to] :
          {std::pair(&overlaps.depth_reached, &depth_reached), std::pair(&overlaps.depth_bound, &depth_bound),
-          std::pair(&overlaps.withdrawals, &withdrawals)})
+          std::pair(&overlaps.withdrawals, &withdrawals), std::pair(&overlaps.first_free, &first_free)})
         to->insert(to->end(), from->begin(), from->end());
 }
 

@@ -88,7 +88,7 @@ struct OverlapList {
     std::vector<OverlapListRegion> regions = {};
     std::vector<double> depth_reached = {}, depth_bound = {};  ///< by row
     std::vector<double> directions = {};                       ///< directions of withdrawals, three numbers each
-    std::vector<double> withdrawals = {};                      ///< by row and direction
+    std::vector<double> withdrawals = {}, first_free = {};     ///< by row and direction
 
     /// Adds the rows of `overlaps`, found in one search of several worlds that have `bodies` bodies each. World w
     /// becomes configuration `first_configuration` + w.

@@ -66,7 +66,7 @@ class ShearedSurface {
     }
 
     /// Returns the faces whose closed projection contains a place, and that are not upright.
-    std::vector<const ShearedFace*> faces_at(const RationalPlace& place);
+    std::vector<const ShearedFace*> faces_at(const ShearedPlace& place);
     /// Returns the other faces whose boxes overlap that of a face, in the projection and in height.
     std::vector<std::int32_t> neighbours(std::int32_t face);
     /// True if a face meets no other face except at vertices and edges that they share.
@@ -112,8 +112,8 @@ void ShearedSurface::walk(Test test, Visit visit) {
     }
 }
 
-std::vector<const ShearedFace*> ShearedSurface::faces_at(const RationalPlace& place) {
-    const RationalPlace scaled = Rational(projection_.scale()) * shear_.coordinates_of(place);
+std::vector<const ShearedFace*> ShearedSurface::faces_at(const ShearedPlace& place) {
+    const ShearedPlace scaled = Rational(projection_.scale()) * shear_.coordinates_of(place);
     const Rounded u(scaled.u), v(scaled.v);
     std::vector<const ShearedFace*> faces;
     walk(
@@ -146,8 +146,8 @@ bool ShearedSurface::is_clean(std::int32_t face) {
     };
     const std::vector<std::int32_t> others = neighbours(face);
     return clean_[face] = std::none_of(others.begin(), others.end(), [&](std::int32_t other) {
-        return intersect_rationally(triangle(face), triangle(other)).collides;
-    });
+               return intersect_rationally(triangle(face), triangle(other)).collides;
+           });
 }
 
 /// Bounds on the t of two faces that one float64 filter gives; see enclose_withdrawal().
@@ -197,16 +197,16 @@ class FirstFreeSearch {
     /// Lift up to which the insides of two faces cross, and a place where they do.
     struct PairEnd {
         Rational high;
-        RationalPlace place;
+        ShearedPlace place;
     };
     using Faces = std::vector<const ShearedFace*>;
 
     ShearedSurface& surface(std::size_t side) { return side == 0 ? a_ : b_; }
 
-    void add_sample(const RationalPlace& place);
+    void add_sample(const ShearedPlace& place);
     void add_samples(std::size_t side);
-    std::optional<RationalPlace> place_within(std::size_t side, std::int32_t face);
-    bool is_generic(const Faces& faces, const RationalPlace& place) const;
+    std::optional<ShearedPlace> place_within(std::size_t side, std::int32_t face);
+    bool is_generic(const Faces& faces, const ShearedPlace& place) const;
     bool advance_by_samples();
 
     template <class Keep, class Visit>
@@ -216,10 +216,10 @@ class FirstFreeSearch {
     std::optional<PairEnd> end_of_pair(std::int32_t f, std::int32_t g);
 
     bool advance_by_contacts();
-    bool advance_at(const RationalPlace& place);
-    Rational followed(const RationalPlace& place, const RationalPlace& w);
-    std::optional<Rational> followed(const Faces& a, const Faces& b, const RationalPlace& place);
-    bool cut_where_faces_cross(std::size_t side, const ShearedFace& face, const RationalPlace& place,
+    bool advance_at(const ShearedPlace& place);
+    Rational followed(const ShearedPlace& place, const ShearedPlace& w);
+    std::optional<Rational> followed(const Faces& a, const Faces& b, const ShearedPlace& place);
+    bool cut_where_faces_cross(std::size_t side, const ShearedFace& face, const ShearedPlace& place,
                                PlacePolygon& polygon);
     bool advance_by_components();
 
@@ -231,7 +231,7 @@ class FirstFreeSearch {
     PairFilterAlong filter_;
     Cancellation& cancellation_;
     FirstFreeCounts& counts_;
-    Rational lift_ = 0;                    ///< the insides overlap at all smaller lifts
+    Rational lift_ = 0;                      ///< the insides overlap at all smaller lifts
     Rounded lift_in_coordinates_{0}, t_{0};  ///< bounds on lift_, in the unit of coordinates and of the direction
     std::vector<LiftInterval> samples_;
     bool has_components_ = false;  ///< true if samples_ has a column through each component
@@ -243,12 +243,12 @@ void FirstFreeSearch::set_lift(const Rational& lift) {
     t_ = Rounded(shear_.parameter_of(lift));
 }
 
-bool FirstFreeSearch::is_generic(const Faces& faces, const RationalPlace& place) const {
+bool FirstFreeSearch::is_generic(const Faces& faces, const ShearedPlace& place) const {
     return std::all_of(faces.begin(), faces.end(), [&](const ShearedFace* f) { return f->position(place) > 0; });
 }
 
 // Adds the intervals of a column, unless it meets an edge.
-void FirstFreeSearch::add_sample(const RationalPlace& place) {
+void FirstFreeSearch::add_sample(const ShearedPlace& place) {
     const Faces a = a_.faces_at(place), b = b_.faces_at(place);
     if (!is_generic(a, place) || !is_generic(b, place)) return;
     for (const LiftInterval& lifts : lifts_next_to(a, b, place, {1, 0})) samples_.push_back(lifts);
@@ -256,14 +256,14 @@ void FirstFreeSearch::add_sample(const RationalPlace& place) {
 
 // Returns a place inside a face and inside no edge's projection. The places tried are on a curve that no line meets
 // more than twice, so one of them is good. Returns nothing for an upright face.
-std::optional<RationalPlace> FirstFreeSearch::place_within(std::size_t side, std::int32_t face) {
+std::optional<ShearedPlace> FirstFreeSearch::place_within(std::size_t side, std::int32_t face) {
     const ShearedFace f = surface(side).face(face);
     if (f.is_upright()) return std::nullopt;
     for (int k = 1;; ++k) {
         cancellation_.check();
         const int total = 10 + 3 * k + k * k;
         const Rational x(10, total), y(3 * k, total);
-        const RationalPlace place = f.place(0) + x * (f.place(1) - f.place(0)) + y * (f.place(2) - f.place(0));
+        const ShearedPlace place = f.place(0) + x * (f.place(1) - f.place(0)) + y * (f.place(2) - f.place(0));
         if (f.position(place) > 0 && is_generic(a_.faces_at(place), place) && is_generic(b_.faces_at(place), place))
             return place;
     }
@@ -374,7 +374,7 @@ bool FirstFreeSearch::advance_by_contacts() {
                    cancellation_.check();
                    add_contact_places(a_.face(f), b_.face(g), lift_, places);
                });
-    for (const RationalPlace& place : places) {
+    for (const ShearedPlace& place : places) {
         cancellation_.check();
         a_.forget_faces();
         b_.forget_faces();
@@ -383,13 +383,12 @@ bool FirstFreeSearch::advance_by_contacts() {
     return false;
 }
 
-bool FirstFreeSearch::advance_at(const RationalPlace& place) {
+bool FirstFreeSearch::advance_at(const ShearedPlace& place) {
     const Faces a = a_.faces_at(place), b = b_.faces_at(place);
     if (a.empty() || b.empty()) return false;
-    const std::vector<RationalPlace> sectors = sectors_around(a, b, lift_, place);
-    const auto overlapping = std::find_if(sectors.begin(), sectors.end(), [&](const RationalPlace& w) {
-        return overlap_next_to(a, b, lift_, place, w);
-    });
+    const std::vector<ShearedPlace> sectors = sectors_around(a, b, lift_, place);
+    const auto overlapping = std::find_if(
+        sectors.begin(), sectors.end(), [&](const ShearedPlace& w) { return overlap_next_to(a, b, lift_, place, w); });
     if (overlapping == sectors.end()) return false;
     ++counts_.contacts;
     Rational lift = lift_;
@@ -403,18 +402,18 @@ bool FirstFreeSearch::advance_at(const RationalPlace& place) {
 
 // Returns a lift such that the insides overlap at all lifts from the current one to that. They do so at the current one
 // next to the place, in direction w.
-Rational FirstFreeSearch::followed(const RationalPlace& place, const RationalPlace& w) {
+Rational FirstFreeSearch::followed(const ShearedPlace& place, const ShearedPlace& w) {
     // No line contains more than two of these places.
     for (Rational e(1, 4);; e /= 16) {
         cancellation_.check();
-        const RationalPlace near = place + e * w + (e * e) * RationalPlace{-w.v, w.u};
+        const ShearedPlace near = place + e * w + (e * e) * ShearedPlace{-w.v, w.u};
         if (const std::optional<Rational> lift = followed(a_.faces_at(near), b_.faces_at(near), near)) return *lift;
     }
 }
 
 // The same, from a place at which the overlap has a length. Returns nothing if there is no overlap or if the place is
 // on a line in which faces of one surface meet.
-std::optional<Rational> FirstFreeSearch::followed(const Faces& a, const Faces& b, const RationalPlace& place) {
+std::optional<Rational> FirstFreeSearch::followed(const Faces& a, const Faces& b, const ShearedPlace& place) {
     if (!is_generic(a, place) || !is_generic(b, place)) return std::nullopt;
     for (const LiftInterval& lifts : lifts_next_to(a, b, place, {1, 0})) {
         if (lifts.low >= lift_ || lifts.high <= lift_) continue;
@@ -431,10 +430,10 @@ std::optional<Rational> FirstFreeSearch::followed(const Faces& a, const Faces& b
 
 // Cuts a polygon along the lines in which a face meets the planes of others, so that the part with the place remains.
 // Returns false if the place is on such a line.
-bool FirstFreeSearch::cut_where_faces_cross(std::size_t side, const ShearedFace& face, const RationalPlace& place,
+bool FirstFreeSearch::cut_where_faces_cross(std::size_t side, const ShearedFace& face, const ShearedPlace& place,
                                             PlacePolygon& polygon) {
     bool ok = true;
-    const auto cut = [&](const RationalPlace& p, const RationalPlace& w) {
+    const auto cut = [&](const ShearedPlace& p, const ShearedPlace& w) {
         const Rational at = cross(w, place - p);
         ok = ok && at != 0;
         polygon.cut(p, at > 0 ? w : Rational(-1) * w);
@@ -444,17 +443,17 @@ bool FirstFreeSearch::cut_where_faces_cross(std::size_t side, const ShearedFace&
         if (other.is_degenerate()) continue;
         if (other.is_upright()) {
             for (std::size_t k = 0; k < 3; ++k)
-                if (const RationalPlace w = other.edge(k); !(w == RationalPlace{0, 0})) {
+                if (const ShearedPlace w = other.edge(k); !(w == ShearedPlace{0, 0})) {
                     cut(other.place(k), w);
                     break;
                 }
             continue;
         }
         const ShearedPoint &n = face.normal(), &m = other.normal();
-        const RationalPlace gradient{n.x * m.z - m.x * n.z, n.y * m.z - m.y * n.z}, w{-gradient.v, gradient.u};
-        const RationalPlace& from = face.place(0);
+        const ShearedPlace gradient{n.x * m.z - m.x * n.z, n.y * m.z - m.y * n.z}, w{-gradient.v, gradient.u};
+        const ShearedPlace& from = face.place(0);
         const Rational above = other.height(from) - face.height(from);
-        if (w == RationalPlace{0, 0}) {
+        if (w == ShearedPlace{0, 0}) {
             for (std::size_t k = 0; k < 3 && above == 0; ++k) cut(other.place(k), other.edge(k));
             continue;
         }
@@ -472,7 +471,7 @@ bool FirstFreeSearch::advance_by_components() {
         const Array<std::int32_t>& ends = closed.components();
         for (std::size_t c = 0; c + 1 < ends.size(); ++c)
             for (const std::int32_t face : closed.faces(ends[c], ends[c + 1])) {
-                const std::optional<RationalPlace> place = place_within(side, face);
+                const std::optional<ShearedPlace> place = place_within(side, face);
                 if (!place) continue;
                 add_sample(*place);
                 break;
