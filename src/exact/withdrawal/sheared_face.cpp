@@ -12,39 +12,75 @@ Rational power_of_two(int exponent) {
     return exponent < 0 ? Rational(1, power) : Rational(power);
 }
 
-/// Edge of a face, from a corner to the next one, of which parts are cut off.
+using IntegerPoint = Vec3<Integer>;
+
+Rational share_of(const Integer& x, const Integer& divisor) {
+    return Rational(mp::cpp_int(divisor < 0 ? -x : x), mp::cpp_int(divisor < 0 ? -divisor : divisor));
+}
+
+/// Edge of a face, from a corner to the next one, of which parts are cut off. Coordinates are integers.
 class CutEdge {
    public:
-    CutEdge(const ShearedPoint& from, const ShearedPoint& to) : from_(from), to_(to) {}
+    CutEdge(const IntegerPoint& from, const IntegerPoint& to) : from_(from), to_(to) {}
 
+    bool is_empty() const { return is_empty_; }
     /// Keeps the part in the plane through `at`.
-    void keep_in_plane(const ShearedPoint& normal, const ShearedPoint& at) {
-        keep_above(normal, at);
-        keep_above(ShearedPoint{} - normal, at);
+    void keep_in_plane(const IntegerPoint& normal, const IntegerPoint& at) {
+        const Integer start = dot(normal, from_ - at), end = dot(normal, to_ - at);
+        is_empty_ = is_empty_ || (start > 0 && end > 0) || (start < 0 && end < 0);
+        if (is_empty_ || start == end) return;
+        const Rational share = share_of(start, start - end);
+        cut(share, share);
     }
     /// Keeps the part in the half-space into which the normal points.
-    void keep_above(const ShearedPoint& normal, const ShearedPoint& at) {
-        const Rational start = dot(normal, from_ - at), end = dot(normal, to_ - at);
-        if (start < 0 && end < 0) low_ = 2;
-        if (start < 0 && end >= 0) low_ = std::max<Rational>(low_, start / (start - end));
-        if (start >= 0 && end < 0) high_ = std::min<Rational>(high_, start / (start - end));
+    void keep_above(const IntegerPoint& normal, const IntegerPoint& at) {
+        const Integer start = dot(normal, from_ - at), end = dot(normal, to_ - at);
+        is_empty_ = is_empty_ || (start < 0 && end < 0);
+        if (is_empty_ || (start >= 0 && end >= 0)) return;
+        const Rational share = share_of(start, start - end);
+        start < 0 ? cut(share, 1) : cut(0, share);
     }
     void add_ends(PlaceSet& places) const {
-        if (low_ > high_) return;
-        for (const Rational& s : {low_, high_}) places.insert(place_of(from_ + s * (to_ - from_)));
+        if (is_empty_) return;
+        const auto rational = [](const Integer& x) { return Rational(mp::cpp_int(x)); };
+        const ShearedPlace from{rational(from_.x), rational(from_.y)}, to{rational(to_.x), rational(to_.y)};
+        for (const Rational& s : {low_, high_}) places.insert(s == 0 ? from : s == 1 ? to : from + s * (to - from));
     }
 
    private:
-    const ShearedPoint from_, to_;
+    /// Keeps the part between two shares of the edge.
+    void cut(const Rational& low, const Rational& high) {
+        if (low > low_) low_ = low;
+        if (high < high_) high_ = high;
+        is_empty_ = low_ > high_;
+    }
+
+    const IntegerPoint &from_, &to_;
     Rational low_ = 0, high_ = 1;
+    bool is_empty_ = false;
 };
 
-void add_edges_within(const std::array<ShearedPoint, 3>& of, const std::array<ShearedPoint, 3>& face,
-                      const ShearedPoint& normal, PlaceSet& places) {
+/// Face whose heights are multiplied by a common denominator of both faces.
+struct IntegerFace {
+    std::array<IntegerPoint, 3> corner;
+    IntegerPoint normal;
+
+    IntegerFace(const ShearedFace& face, const Integer& denominator, const Integer& lift) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto integer = [](const Rational& x) { return Integer(mp::cpp_int(numerator(x))); };
+            const ShearedPoint& p = face.corner(k);
+            corner[k] = {integer(p.x), integer(p.y), integer(p.z) * denominator + lift};
+        }
+        normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    }
+};
+
+void add_edges_within(const IntegerFace& of, const IntegerFace& face, PlaceSet& places) {
     for (std::size_t k = 0; k < 3; ++k) {
-        CutEdge edge(of[k], of[(k + 1) % 3]);
-        edge.keep_in_plane(normal, face[0]);
-        for (std::size_t j = 0; j < 3; ++j) edge.keep_above(cross(normal, face[(j + 1) % 3] - face[j]), face[j]);
+        CutEdge edge(of.corner[k], of.corner[(k + 1) % 3]);
+        edge.keep_in_plane(face.normal, face.corner[0]);
+        for (std::size_t j = 0; j < 3 && !edge.is_empty(); ++j)
+            edge.keep_above(cross(face.normal, face.corner[(j + 1) % 3] - face.corner[j]), face.corner[j]);
         edge.add_ends(places);
     }
 }
@@ -93,11 +129,10 @@ Rational ShearedFace::height(const ShearedPlace& p) const { return corner_[0].z 
 
 void add_contact_places(const ShearedFace& a, const ShearedFace& b, const Rational& lift, PlaceSet& places) {
     if (a.is_degenerate() || b.is_degenerate()) return;
-    const std::array p{a.corner(0), a.corner(1), a.corner(2)};
-    std::array q{b.corner(0), b.corner(1), b.corner(2)};
-    for (ShearedPoint& corner : q) corner.z += lift;
-    add_edges_within(p, q, b.normal(), places);
-    add_edges_within(q, p, a.normal(), places);
+    const Integer divisor(mp::cpp_int(denominator(lift)));
+    const IntegerFace p(a, divisor, 0), q(b, divisor, Integer(mp::cpp_int(numerator(lift))));
+    add_edges_within(p, q, places);
+    add_edges_within(q, p, places);
 }
 
 PlacePolygon::PlacePolygon(const ShearedFace& a, const ShearedFace& b) {

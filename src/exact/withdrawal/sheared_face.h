@@ -96,7 +96,7 @@ class ShearedFace {
 };
 
 /// Adds the places of the extreme points of the intersection of a and b, with b lifted by `lift`. Degenerate faces have
-/// none. Cost: some 100 us.
+/// none. Cost: some 10 us.
 void add_contact_places(const ShearedFace& a, const ShearedFace& b, const Rational& lift, PlaceSet& places);
 
 /// Convex polygon of places. Empty, or with an inside.

@@ -371,6 +371,8 @@ bool FirstFreeSearch::advance_by_contacts() {
     PlaceSet places;
     walk_pairs([](double) { return true; },
                [&](std::int32_t f, std::int32_t g) {
+                   const FaceCorners p = a_.surface().corners(f), q = b_.surface().corners(g);
+                   if (filter_.last(p, q).upper < t_.low || filter_.first(p, q).lower > t_.high) return;
                    cancellation_.check();
                    add_contact_places(a_.face(f), b_.face(g), lift_, places);
                });
@@ -391,11 +393,12 @@ bool FirstFreeSearch::advance_at(const ShearedPlace& place) {
         sectors.begin(), sectors.end(), [&](const ShearedPlace& w) { return overlap_next_to(a, b, lift_, place, w); });
     if (overlapping == sectors.end()) return false;
     ++counts_.contacts;
-    Rational lift = lift_;
+    // Places of contact depend on the lift, so intervals at such places might end at ever closer lifts. The last
+    // contact of two faces is one of finitely many lifts.
+    Rational lift = followed(place, *overlapping);
     for (auto w = overlapping; w != sectors.end(); ++w)
         for (const LiftInterval& lifts : lifts_next_to(a, b, place, *w))
             if (lifts.low <= lift_ && lifts.high > lift) lift = lifts.high;
-    if (lift == lift_) lift = followed(place, *overlapping), ++counts_.followed;
     set_lift(lift);
     return true;
 }

@@ -14,8 +14,8 @@
 // If contacts and components have no overlap at the current lift, there is none: a corner of the overlap's convex hull
 // is a place where faces touch, or a vertex of a component inside the other surface.
 //
-// A contact may show an overlap at the current lift, but no interval that goes on, as the interval may be empty at its
-// place. Then a column near that place has one. The two faces at its end are followed to their last contact.
+// If a contact shows an overlap at the current lift, a column near that place has an interval. The two faces at its end
+// are followed to their last contact. There are finitely many such lifts, so the search ends.
 
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
@@ -25,7 +25,7 @@ namespace crumple {
 
 /// Work of a search.
 struct FirstFreeCounts {
-    std::int64_t samples = 0, pairs = 0, contacts = 0, followed = 0;  ///< steps of each kind
+    std::int64_t samples = 0, pairs = 0, contacts = 0;  ///< steps of each kind
 };
 
 /// Returns the least t ≥ 0 such that the insides of a and b + t · direction do not overlap, as the least float64 that
