@@ -7,8 +7,9 @@ import pytest
 
 import crumple
 from crumple.adapters._kinematics import Joint, Tree
+from crumple.adapters._obstacles import Obstacles
 from crumple.adapters._primitives import box, capsule, cylinder, ellipsoid, sphere
-from crumple.adapters._robot import Obstacles, Robot
+from crumple.adapters._robot import Robot
 
 
 def rotation(axis, angle):
@@ -310,6 +311,7 @@ def test_error_names_what_is_wrong():
         (lambda: robot.collides_between(one, one, tolerance=0), "tolerance must be finite and above 0"),
         (lambda: robot.attach("hand", box([1, 1, 1]), "fore"), "'hand' is already the name of a link"),
         (lambda: robot.attach("tool", box([1, 1, 1]), "hnad"), "no link 'hnad'"),
+        (lambda: robot.attach("tool", box([1, 1, 1]), "hand", 2 * np.eye(4)), "'tool': its pose is not a rotation"),
         (lambda: robot.attach("tool", box([1, 1, 1]), "hand", touching=["fire"]), "'fire' may collide with others"),
         (lambda: arm(allowed=[("hand", "hand")]), "must have two different names"),
         (

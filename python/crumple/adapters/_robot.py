@@ -1,4 +1,4 @@
-"""Robots and obstacles: which configurations collide, how far apart bodies are, and which motions are free.
+"""Robots: which configurations collide, how far apart bodies are, and which motions are free.
 
 A robot is a tree of joints with a mesh for each link. All methods take many configurations at once, and make a world of
 each.
@@ -17,15 +17,16 @@ import numpy as np
 from .._arrays import host_array
 from .._detector import Detector
 from .._errors import InvalidInput, InvalidType
-from .._mesh import Mesh, Shape, as_mesh, constant_shape, is_mesh
+from .._mesh import Mesh, Shape, as_mesh
 from .._queries import DistanceQuery, ImpactQuery, IntersectionQuery, PairFilter
 from .._world import World
 from ._kinematics import Joint, Tree
+from ._obstacles import Obstacles, allowed_pairs, copied_shape, pose_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["LinkPairs", "Obstacles", "Robot"]
+__all__ = ["LinkPairs", "Robot"]
 
 _WORLDS = 1 << 14  # worlds in one call of the detector: poses of a robot of ten links then take 16 MB
 _COARSE = 1 / 400  # share of the robot's reach by which the first pieces of a motion may deviate from it
@@ -52,52 +53,6 @@ class LinkPairs(NamedTuple):
         """Returns the names of the pairs that collide in a configuration."""
         first, last = np.searchsorted(self.configurations, [configuration, configuration + 1])
         return [(self.names[a], self.names[b]) for a, b in self.bodies[first:last].tolist()]
-
-
-class Obstacles:
-    """Bodies that do not move. Made once for many calls, because detectors cache data about them.
-
-    Parameters
-    ----------
-    bodies : mapping of str to mesh, or to (mesh, pose)
-        Bodies by name. A mesh is anything that as_mesh takes; a pose, (3, 4) or (4, 4), maps it to the frame of the
-        robot's base. Meshes are copied.
-    allowed : iterable of (str, str)
-        Pairs of a link and an obstacle that may collide.
-
-    Attributes
-    ----------
-    names : tuple of str
-    shapes : tuple of Shape
-    poses : (n, 3, 4) ndarray of float64
-        Read-only.
-
-    Raises
-    ------
-    InvalidInput, InvalidType
-        If a mesh or a pose is invalid. Names the obstacle.
-
-    Notes
-    -----
-    A detector keeps cached data of obstacles as long as it exists, some 150 bytes per triangle.
-    """
-
-    def __init__(self, bodies: Mapping[str, Any], allowed: Iterable[tuple[str, str]] = ()) -> None:
-        self.names = tuple(bodies)
-        self.allowed = _pairs(allowed)
-        shapes = []
-        poses = [np.eye(3, 4)]
-        for name, body in bodies.items():
-            posed = isinstance(body, (tuple, list)) and len(body) == 2 and is_mesh(body[0])
-            mesh, pose = body if posed else (body, np.eye(3, 4))
-            shapes.append(_shape(as_mesh(mesh), f"obstacle {name!r}: "))
-            poses.append(_pose(pose, f"obstacle {name!r}"))
-        self.shapes, self.poses = tuple(shapes), np.array(poses[1:]).reshape(-1, 3, 4)
-        self.poses.flags.writeable = False
-
-    def __len__(self) -> int:
-        """Number of obstacles."""
-        return len(self.names)
 
 
 class Robot:
@@ -176,9 +131,9 @@ class Robot:
         self.solid, self.tessellation_error = solid, tessellation_error
         self.detector = Detector(**options)
         copies = {link: as_mesh(mesh) for link, mesh in meshes.items()}
-        shapes = {link: _shape(mesh, f"link {link!r}: ") for link, mesh in copies.items()}
+        shapes = {link: copied_shape(mesh, f"link {link!r}: ") for link, mesh in copies.items()}
         radii = {link: _radius(mesh) for link, mesh in copies.items()}
-        self._set(tree, shapes, radii, _adjacent(tree, meshes) | _pairs(allowed))
+        self._set(tree, shapes, radii, _adjacent(tree, meshes) | allowed_pairs(allowed))
 
     def _set(self, tree: Tree, shapes: dict[str, Shape], radii: dict[str, float], allowed: frozenset[Any]) -> None:
         for pair in allowed:
@@ -214,18 +169,20 @@ class Robot:
         Raises
         ------
         InvalidInput
-            If there is no such link, or the name is taken.
+            If there is no such link, the name is taken, or the pose is not a rotation with a translation.
         """
         if name in self._tree.parents or name == self._tree.base:
             raise InvalidInput(f"{name!r} is already the name of a link")
         if link not in self._tree.parents and link != self._tree.base:
             raise InvalidInput(f"the robot has no link {link!r}")
         origin = np.eye(4)
-        origin[:3] = _pose(np.eye(3, 4) if pose is None else pose, f"attached object {name!r}")
+        origin[:3] = pose_of(np.eye(3, 4) if pose is None else pose, f"attached object {name!r}")
+        if np.abs(origin[:3, :3] @ origin[:3, :3].T - np.eye(3)).max() > 1e-9:
+            raise InvalidInput(f"attached object {name!r}: its pose is not a rotation with a translation")
         joint = Joint(f"{name} is attached", link, name, "fixed", origin)
         tree, mesh = Tree([*self._tree.joints, joint], self._tree.base), as_mesh(mesh)
-        shapes = {**self._shapes, name: _shape(mesh, f"attached object {name!r}: ")}
-        allowed = self.allowed | _adjacent(tree, shapes) | _pairs((name, other) for other in touching)
+        shapes = {**self._shapes, name: copied_shape(mesh, f"attached object {name!r}: ")}
+        allowed = self.allowed | _adjacent(tree, shapes) | allowed_pairs((name, other) for other in touching)
         made = Robot.__new__(Robot)
         made.__dict__.update(self.__dict__)
         made._set(tree, shapes, {**self._radii, name: _radius(mesh)}, allowed)
@@ -507,7 +464,7 @@ class Robot:
         )
         for name in {name for pair in obstacles.allowed for name in pair}:
             world.index(name)  # raises an error that suggests a similar name
-        pairs = [sorted(group[name] for name in pair) for pair in self.allowed | obstacles.allowed]
+        pairs: list[Any] = [sorted(group[name] for name in pair) for pair in self.allowed | obstacles.allowed]
         pairs += itertools.combinations_with_replacement(static, 2)
         return world, PairFilter(excluded_groups=np.array(sorted(map(tuple, pairs)), np.int32))
 
@@ -531,27 +488,7 @@ def _adjacent(tree: Tree, meshes: Mapping[str, Any]) -> frozenset[frozenset[str]
     return frozenset(made)
 
 
-def _pairs(pairs: Iterable[Any]) -> frozenset[frozenset[str]]:
-    made = frozenset(map(frozenset, pairs))
-    for pair in made:
-        if len(pair) != 2:
-            raise InvalidInput(f"an allowed pair must have two different names, not {sorted(pair)}")
-    return made
-
-
-def _shape(mesh: Mesh, which: str) -> Shape:
-    vertices = np.array(host_array(mesh.vertices, which + "vertices"), np.float64)
-    return constant_shape(Mesh(vertices, np.array(host_array(mesh.faces, which + "faces")).reshape(-1, 3)), which)
-
-
 def _radius(mesh: Mesh) -> float:
     """Returns the largest distance of a vertex from the origin, rounded up."""
     vertices = np.asarray(mesh.vertices, np.float64)
     return float(np.linalg.norm(vertices, axis=1).max(initial=0.0)) * (1 + 2.0**-40)
-
-
-def _pose(pose: Any, which: str) -> NDArray[np.float64]:
-    array = np.asarray(pose, np.float64)
-    if array.shape not in ((3, 4), (4, 4)) or not np.isfinite(array).all():
-        raise InvalidInput(f"{which}: its pose must be finite and have shape (3, 4) or (4, 4), not {array.shape}")
-    return array[:3]

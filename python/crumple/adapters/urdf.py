@@ -26,8 +26,9 @@ from .._errors import Error, InvalidInput
 from .._files import read_mesh
 from .._mesh import Mesh
 from ._kinematics import Joint
+from ._obstacles import Obstacles
 from ._primitives import PrimitiveMesh, box, capsule, cylinder, ellipsoid, sphere
-from ._robot import LinkPairs, Obstacles, Robot
+from ._robot import LinkPairs, Robot
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
