@@ -361,7 +361,7 @@ class Robot:
         A motion is cut into pieces. In each, vertices are moved straight, which takes each point of a link at most a
         known distance off its true trajectory (Tree.bends). That distance, for the two links for which it is largest,
         is the minimum distance of the search. Pieces that are not free are halved, until the distance is half the
-        tolerance. docs/start_robots.md has the argument. Cost: proportional to the square root of 1 / tolerance near
+        tolerance. docs/robots.md has the argument. Cost: proportional to the square root of 1 / tolerance near
         obstacles.
         """
         first, leading = self._rows(starts, "starts")
