@@ -149,6 +149,7 @@ EdgeReport report_edges(const io::TriangleMesh& mesh) {
             const auto count = next - side;
             if (count == 1) report.open.push_back({lower, side->upper});
             if (count > 2) ++report.non_manifold;
+            if (count > 2 && count % 2) ++report.odd;
             if (count % 2) report.closed = false;
             if (count % 2 == 0 && !report.flipped) report.flipped = find_flipped(lower, {side, next});
             side = next;

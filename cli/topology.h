@@ -25,6 +25,7 @@ struct EdgeReport {
     std::vector<Edge> open;         ///< edges that belong to one triangle only, in lexicographic order
     std::int64_t holes = 0;         ///< number of connected components of open edges: usually closed curves
     std::int64_t non_manifold = 0;  ///< number of edges that belong to three triangles or more
+    std::int64_t odd = 0;           ///< of these, number of edges that belong to an odd number of triangles
     bool closed = true;             ///< true if every edge belongs to an even number of triangles
     /// First edge with an even number of triangles that is not traversed equally often in both directions; none if the
     /// orientation is consistent.

@@ -70,10 +70,12 @@ void write_parts(std::ostream& out, const io::OverlapList& list, std::size_t row
     for (std::size_t j = 0; j < directions; ++j) {
         const std::size_t at = row * directions + j;
         if (std::isnan(list.withdrawals[at])) continue;
-        out << "  direction " << j << ": the second body is ";
-        if (!list.first_free.empty() && !std::isnan(list.first_free[at]))
-            out << "first free at " << number_of_text(list.first_free[at]) << ", and ";
-        out << "free after " << number_of_text(list.withdrawals[at]) << " times the direction\n";
+        out << "  direction " << j << ": the second body ";
+        const bool has_first = !list.first_free.empty() && !std::isnan(list.first_free[at]);
+        if (has_first)
+            out << "first does not overlap the first one at " << number_of_text(list.first_free[at]) << ", and ";
+        out << "is past " << (has_first ? "it" : "the first one") << " after " << number_of_text(list.withdrawals[at])
+            << " times the direction\n";
     }
     for (int number = 0; region < list.regions.size() && list.regions[region].row == static_cast<std::int32_t>(row);
          ++region, ++number) {

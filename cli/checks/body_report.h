@@ -28,6 +28,12 @@ struct BoundingBox {
     Point low, high;
 };
 
+inline Point middle_of(const BoundingBox& box) {
+    Point middle;
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = box.low[k] / 2 + box.high[k] / 2;
+    return middle;
+}
+
 /// Returns the box of all vertices, or nothing if there are none.
 std::optional<BoundingBox> box_of(const io::TriangleMesh& mesh);
 

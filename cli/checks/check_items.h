@@ -15,7 +15,7 @@
 namespace crumple::cli {
 
 enum class ItemKind : std::uint8_t {
-    // Of one body, or of one shell:
+    // Kinds about one body or one shell:
     no_triangles,
     hole,
     non_manifold_edges,
@@ -25,14 +25,14 @@ enum class ItemKind : std::uint8_t {
     duplicated_triangles,
     self_intersection,  ///< a place where a shell passes through itself
     self_contact,       ///< a place where a shell meets itself, and covers nothing twice
-    // Of two bodies, or of two shells of one body. Those of OverlapRelation, in its order:
+    // Kinds about two bodies, or two shells of one body, in the order of OverlapRelation:
     touching,
     overlapping,
     first_inside,
     second_inside,
     equal,
     undefined,  ///< the surfaces meet, and at least one of them is not closed
-    // Further ones:
+    // More kinds about two bodies or shells:
     piercing,   ///< overlapping, and one body passes through the other (Overlaps::region_pieces)
     duplicate,  ///< both bodies have the same triangles
     near,       ///< nearer than the clearance, without meeting

@@ -70,9 +70,7 @@ class BodyCheck {
 
     template <class Query>
     const typename Query::Result& find(const PartWorld& parts, const Query& query) {
-        const auto& found = search_.find(parts.origins, -1, parts.world(), query);
-        report_.milliseconds += found.statistics.milliseconds;
-        return found;
+        return search_.find(parts.origins, -1, parts.world(), query);
     }
     PartWorld world_of_bodies() const;
     OverlapQuery overlap_query() const;
@@ -292,8 +290,7 @@ void BodyCheck::mark_cavities() {
             item.volume = *checked.volume;
             item.count = checked.mesh->triangle_count();
             item.box = cli::box_of(*checked.mesh);
-            item.centre.emplace();
-            for (std::size_t k = 0; k < 3; ++k) (*item.centre)[k] = item.box->low[k] / 2 + item.box->high[k] / 2;
+            item.centre = middle_of(*item.box);
         }
     }
 }

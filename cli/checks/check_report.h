@@ -47,7 +47,7 @@ struct CheckedShell {
 };
 
 struct CheckReport {
-    std::vector<std::string> names;  ///< of the bodies
+    std::vector<std::string> names;  ///< names of the bodies
     std::string files;
     io::Unit unit = io::Unit::unknown;
     std::vector<CheckedBody> bodies;
@@ -55,7 +55,6 @@ struct CheckReport {
     std::vector<CheckedShell> shells;
     Intersections crossings;       ///< pairs of triangles of shells, with contacts
     std::vector<CheckItem> items;  ///< those of one body are first, in the order of bodies
-    double milliseconds = 0;       ///< time of all queries
 
     std::int64_t count_findings() const;
 };

@@ -58,7 +58,7 @@ void measure(const Intersections& found, CrossingPlace& place) {
     }
     std::sort(triangles.begin(), triangles.end());
     place.triangles = std::unique(triangles.begin(), triangles.end()) - triangles.begin();
-    for (std::size_t k = 0; k < 3; ++k) place.centre[k] = place.box.low[k] / 2 + place.box.high[k] / 2;
+    place.centre = middle_of(place.box);
 }
 
 }  // namespace

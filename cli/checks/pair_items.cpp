@@ -8,12 +8,6 @@ namespace {
 
 BoundingBox box_of(const std::array<double, 6>& box) { return {{box[0], box[1], box[2]}, {box[3], box[4], box[5]}}; }
 
-Point middle_of(const BoundingBox& box) {
-    Point middle{};
-    for (std::size_t k = 0; k < 3; ++k) middle[k] = box.low[k] / 2 + box.high[k] / 2;
-    return middle;
-}
-
 void widen(BoundingBox& box, const BoundingBox& by) {
     for (std::size_t k = 0; k < 3; ++k) {
         box.low[k] = std::min(box.low[k], by.low[k]);

@@ -15,8 +15,7 @@ void locate(const io::TriangleMesh& mesh, const Vertices& vertices, CheckItem& i
         }
     }
     if (!item.box) return;
-    item.centre.emplace();
-    for (std::size_t k = 0; k < 3; ++k) (*item.centre)[k] = item.box->low[k] / 2 + item.box->high[k] / 2;
+    item.centre = middle_of(*item.box);
 }
 
 void add_triangles(ItemKind kind, std::int32_t number, const io::TriangleMesh& mesh,
@@ -44,8 +43,8 @@ void add_surface_items(std::int32_t number, const CheckedBody& body, std::vector
         item.length = loop.length;
         item.edges = loop.edges;
     }
-    if (!report.edges.closed && report.edges.non_manifold > 0)
-        items.emplace_back(CheckItem{ItemKind::non_manifold_edges, {number}}).count = report.edges.non_manifold;
+    if (report.edges.odd > 0)
+        items.emplace_back(CheckItem{ItemKind::non_manifold_edges, {number}}).count = report.edges.odd;
     if (const auto& flipped = report.edges.flipped) {
         CheckItem& item = items.emplace_back(CheckItem{ItemKind::inconsistent_orientation, {number}});
         item.triangles = {flipped->first, flipped->second};

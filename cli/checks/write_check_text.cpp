@@ -25,7 +25,7 @@ class ItemLister {
         for (const auto& [key, count] : alike_)
             if (count > most_alike)
                 out_ << indent_
-                     << fmt::format("{}: {} more like the last ones ({}); -o lists them all\n",
+                     << fmt::format("{}: {} more items of the kind {}; .csv and .json files list them all (-o)\n",
                                     cli::name_of(report_, std::get<1>(key)),
                                     grouped(static_cast<std::int64_t>(count - most_alike)), name_of(std::get<0>(key)));
     }

@@ -71,6 +71,19 @@ class Check : public Cli {
     Json json(const std::string& arguments) const { return Json::parse(check(arguments + " --json").out); }
 };
 
+TEST_F(Check, only_edges_with_an_odd_number_of_triangles_are_non_manifold_findings) {
+    // A tetrahedron and another one that lacks a face share edge 01; then a third triangle is added to edge 12.
+    const std::string points = "OFF\n7 NN 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 -1 0\n0 0 -1\n2 2 2\n";
+    const std::string faces = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n3 0 1 4\n3 1 0 5\n3 0 4 5\n";
+    const auto with = [](std::string text, const std::string& count) {
+        return text.replace(text.find("NN"), 2, count);
+    };
+    write("four.off", with(points, "7") + faces);
+    write("three.off", with(points, "8") + faces + "3 1 2 6\n");
+    EXPECT_FALSE(contains(check("four.off").out, "non-manifold"));
+    expect_finding("three.off", "three is not closed: it has 1 non-manifold edge");
+}
+
 TEST_F(Check, sound_body_has_no_findings) {
     expect("low.off --unit mm", 0, "low: closed, volume 1 mm^3, 12 triangles\nno findings\n");
 }
@@ -331,8 +344,8 @@ TEST_F(Check, many_places_are_counted_in_text_and_listed_in_files) {
     }
     write("many.off", "OFF\n36 12 0" + points + faces + '\n');
     const Outcome outcome = check("many.off -o many.csv");
-    EXPECT_TRUE(
-        contains(check("many.off").out, "  many: 2 more like the last ones (hole); -o lists them all\n12 find"));
+    EXPECT_TRUE(contains(check("many.off").out,
+                         "  many: 2 more items of the kind hole; .csv and .json files list them all (-o)\n12 find"));
     const std::string csv = read("many.csv");
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "many: most faces share no vertices, so that each is a shell; --weld "));

@@ -86,8 +86,8 @@ TEST_F(Overlap, regions_depths_and_withdrawals_are_printed_and_written) {
     const std::string printed = text("low.off pin.off " + parts, "1 pair");
     EXPECT_TRUE(contains(printed, "\n  greatest depth between 0.25 and 0.25")) << printed;
     EXPECT_TRUE(contains(printed,
-                         "\n  direction 0: the second body is free after 0.125 times the direction\n"
-                         "  direction 1: the second body is free after 0.75 times the direction\n"))
+                         "\n  direction 0: the second body is past the first one after 0.125 times the direction\n"
+                         "  direction 1: the second body is past the first one after 0.75 times the direction\n"))
         << printed;
     EXPECT_TRUE(
         contains(printed, "\n  region 0: volume 0.0625, thickness 0.25, from (0.25 0.25 0.75) to (0.75 0.75 1)\n"))
@@ -110,8 +110,10 @@ TEST_F(Overlap, first_free_motion_is_printed_and_written) {
     write("slabs.off", two_boxes({0, 0, 0}, {1, 1, 1}, {0, 0, 4}, {1, 1, 5}));
     const std::string parts = "slabs.off peg.off --withdraw 0,0,2 --withdraw -1,0,0 --first-free ";
     EXPECT_TRUE(contains(text(parts, "1 pair"),
-                         "\n  direction 0: the second body is first free at 0.125, and free after 2.125 times the "
-                         "direction\n  direction 1: the second body is first free at 0.75, and free after 0.75 times "
+                         "\n  direction 0: the second body first does not overlap the first one at 0.125, and is past "
+                         "it after 2.125 times the "
+                         "direction\n  direction 1: the second body first does not overlap the first one at 0.75, and "
+                         "is past it after 0.75 times "
                          "the direction\n"));
     ASSERT_EQ(crumple("overlap " + parts + "-o a.json -o a.npz").status, 0);
     EXPECT_EQ(nlohmann::json::parse(read("a.json"))["first_free"].dump(), "[[0.125,0.75]]");
