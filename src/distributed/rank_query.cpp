@@ -136,8 +136,9 @@ ComparedQuery request_of_ranks(const ProximityQuery& query, bool world) {
 ComparedQuery request_of_ranks(const OverlapQuery& query, const World& world) {
     check_query_options(query, world);
     std::int64_t flags = 0;
-    for (const bool flag : {query.weld, query.self_overlaps, query.gradient, query.curves, query.windings,
-                            query.extents, query.depths, query.translation, query.solids, query.unions, query.regions})
+    for (const bool flag :
+         {query.weld, query.self_overlaps, query.gradient, query.curves, query.windings, query.extents, query.depths,
+          query.translation, query.solids, query.unions, query.regions, query.first_free})
         flags = 2 * flags + (flag ? 1 : 0);
     ComparedQuery asked;
     asked.told = {static_cast<std::int64_t>(Kind::overlaps),

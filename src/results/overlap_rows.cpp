@@ -54,11 +54,11 @@ void append_rows(const Overlaps& from, std::size_t begin, std::size_t end, Overl
     for_each_overlap_list([&](OverlapLevel list, OverlapLevel parent, auto offsets) {
         range_of(list, ranges) = append_offsets(from.*offsets, range_of(parent, ranges), to.*offsets);
     });
-    const std::size_t directions = from.withdrawals.size() / from.bodies.size();
     const std::size_t first_deepest = to.deepest.size(), first_curve = to.curve_regions.size();
     for_each_overlap_array([&](const char*, auto array, OverlapLevel list) {
         if (!is_of_rows(list) || list == OverlapLevel::offsets) return;
-        const auto each = static_cast<const void*>(&(from.*array)) == &from.withdrawals ? directions : 1;
+        // Some arrays have an element for each row and direction.
+        const std::size_t each = list == OverlapLevel::rows ? (from.*array).size() / from.bodies.size() : 1;
         const CopiedRange& range = range_of(list, ranges);
         append_range(from.*array, each * range.begin, each * range.end, to.*array);
     });

@@ -19,6 +19,10 @@ inline Overlaps rows_of_piece(const Overlaps& whole, const WorldPiece& piece) {
     });
     for (std::size_t i = 0; i < whole.bodies.size(); ++i)
         if (piece.has(whole.bodies[i].first)) append_rows(whole, i, i + 1, rows);
+    for_each_overlap_array([&](const char* name, auto array, OverlapLevel level) {
+        if (level != OverlapLevel::rows) return;
+        EXPECT_EQ((rows.*array).size() * whole.bodies.size(), (whole.*array).size() * rows.bodies.size()) << name;
+    });
     for (const std::int32_t body : whole.skipped)
         if (piece.has(body)) rows.skipped.push_back(body);
     for (const std::int64_t body : piece.ids) {

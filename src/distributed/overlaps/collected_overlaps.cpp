@@ -164,8 +164,9 @@ void RankDetector::list_pairs_of_bodies(const OverlapQuery& query, PairsOfBodies
 // because only then all ranks know which bodies are solids.
 void RankDetector::search_overlaps(const OverlapQuery& query, const PairsOfBodies& pairs, const BodyCopies& copies,
                                    std::array<Overlaps, 2>& found, bool& any) {
-    BodyNumbers numbers(query.self_overlaps && query.output == Output::pairs ? bodies_.count() : 0);
+    BodyNumbers numbers(0);
     check_(Phase::search, [&] {
+        if (query.self_overlaps && query.output == Output::pairs) numbers = BodyNumbers(bodies_.count());
         const std::vector<BodyPair> mine = placed(pairs.pairs_of(transport_.rank()), copies);
         std::vector<BodyPair> with_itself, between;
         for (const BodyPair& pair : mine) (pair.first == pair.second ? with_itself : between).push_back(pair);

@@ -99,9 +99,7 @@ ContactArea find_contact_area(const SurfacePair& surfaces, std::span<const Pair>
                               Cancellation& cancellation, MemoryMeter& meter) {
     if (pairs.empty()) return {};
     if (surfaces.in_range()) {
-        MemoryClaim memory(meter);
-        memory.add(pairs.size() * CoplanarFaces::bytes_per_pair);
-        const CoplanarFaces faces(surfaces, pairs, cancellation);
+        const CoplanarFaces faces(surfaces, pairs, cancellation, meter);
         const auto add = [&](std::span<const Pair> some, FixedSum& sum) { add_enclosed(faces, some, sum); };
         if (faces.valid()) {
             const auto sum = sum_of<FixedSum>(faces.pairs(), workers, cancellation, add);

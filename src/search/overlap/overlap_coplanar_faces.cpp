@@ -21,10 +21,14 @@ Enclosed stretch_of(const FaceCorners& face, int axis) {
 
 }  // namespace
 
-CoplanarFaces::CoplanarFaces(const SurfacePair& surfaces, std::span<const Pair> pairs, Cancellation& cancellation) {
+CoplanarFaces::CoplanarFaces(const SurfacePair& surfaces, std::span<const Pair> pairs, Cancellation& cancellation,
+                             MemoryMeter& meter)
+    : memory_(meter) {
+    memory_.add(pairs.size() * (sizeof(Pair) + sizeof(std::int32_t)));
     list_faces(surfaces, pairs);
     cancellation.check();
     join_planes();
+    memory_.add(planes_.size() * sizeof(Plane));
     choose_projections();
     if (!valid_) return;
     find_areas(cancellation);
@@ -44,6 +48,7 @@ void CoplanarFaces::list_faces(const SurfacePair& surfaces, std::span<const Pair
         for (const Pair& pair : pairs) ids.push_back(pair.*member);
         std::sort(ids.begin(), ids.end());
         ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+        memory_.add(ids.size() * (sizeof(Face) + 3 * sizeof(DirectedEdge)));
         faces_[side].reserve(ids.size());
         for (const std::int32_t id : ids) faces_[side].push_back({id, 0, {surfaces.corners(side, id)}});
         for (Pair& pair : pairs_)
@@ -110,12 +115,7 @@ void CoplanarFaces::find_areas(Cancellation& cancellation) {
 // Drops edges that two faces in one plane traverse in opposite directions: the closed edge lies in both faces, so both
 // have pairs with all faces of the other surface that meet it.
 void CoplanarFaces::drop_inner_edges(const SurfacePair& surfaces, std::size_t side) {
-    struct DirectedEdge {
-        std::int32_t plane, low, high;
-        bool forward;
-        std::int32_t face, edge;
-        auto key() const { return std::tie(plane, low, high); }
-    };
+    const auto key = [](const DirectedEdge& edge) { return std::tie(edge.plane, edge.low, edge.high); };
     std::vector<DirectedEdge> edges;
     edges.reserve(3 * faces_[side].size());
     for (std::size_t i = 0; i < faces_[side].size(); ++i) {
@@ -136,7 +136,7 @@ void CoplanarFaces::drop_inner_edges(const SurfacePair& surfaces, std::size_t si
         faces_[side][static_cast<std::size_t>(edge.face)].planar.counts[static_cast<std::size_t>(edge.edge)] = false;
     };
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-        while (end < edges.size() && edges[end].key() == edges[begin].key()) ++end;
+        while (end < edges.size() && key(edges[end]) == key(edges[begin])) ++end;
         // Backward edges come first; those at both ends of the range run in opposite directions.
         for (std::size_t i = begin, j = end; i + 1 < j && !edges[i].forward && edges[j - 1].forward; ++i, --j) {
             drop(edges[i]);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/cancellation.h"
+#include "base/memory_claim.h"
 #include "crumple/intersections.h"
 #include "exact/overlap/common_area.h"
 #include "search/overlap/overlap_surface_pair.h"
@@ -33,7 +34,8 @@ class CoplanarFaces {
     };
 
     /// Requires coordinates in the range of double words, and faces that are not degenerate.
-    CoplanarFaces(const SurfacePair& surfaces, std::span<const Pair> pairs, Cancellation& cancellation);
+    CoplanarFaces(const SurfacePair& surfaces, std::span<const Pair> pairs, Cancellation& cancellation,
+                  MemoryMeter& meter);
 
     /// False if the projection of a face is degenerate: then nothing else is valid.
     bool valid() const { return valid_; }
@@ -44,10 +46,13 @@ class CoplanarFaces {
     }
     const Plane& plane(std::int32_t index) const { return planes_[static_cast<std::size_t>(index)]; }
 
-    /// Size per pair, at most.
-    static constexpr std::size_t bytes_per_pair = 2 * (sizeof(Face) + sizeof(Plane) + 3 * 24) + sizeof(Pair);
-
    private:
+    struct DirectedEdge {
+        std::int32_t plane, low, high;
+        bool forward;
+        std::int32_t face, edge;
+    };
+
     void list_faces(const SurfacePair& surfaces, std::span<const Pair> pairs);
     void join_planes();
     void choose_projections();
@@ -55,6 +60,7 @@ class CoplanarFaces {
     void drop_inner_edges(const SurfacePair& surfaces, std::size_t side);
     void select_pairs();
 
+    MemoryClaim memory_;
     bool valid_ = true;
     std::array<std::vector<Face>, 2> faces_;  ///< sorted by id
     std::vector<Plane> planes_;

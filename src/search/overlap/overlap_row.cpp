@@ -1,6 +1,7 @@
 #include "search/overlap/overlap_row.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 
@@ -163,10 +164,7 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
         count += part.segments.size();
         surfaces_meet_ |= part.meet;
     }
-    for (std::size_t i = 0; i < pairs_.size() && !surfaces_meet_; ++i) {
-        cancellation_.check();
-        surfaces_meet_ = faces_meet(body(0).corners(pairs_[i].a), body(1).corners(pairs_[i].b));
-    }
+    if (!surfaces_meet_) surfaces_meet_ = some_pair_meets();
     sums_.segments.reserve(count);
     for (const CrossedPairs& part : parts) {
         sums_.segments.insert(sums_.segments.end(), part.segments.begin(), part.segments.end());
@@ -176,6 +174,19 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
     for (std::size_t s = 0; s < (gradient ? 2 : 1); ++s)
         for (std::size_t side = 0; side < 2; ++side)
             for (const CrossedPairs& part : parts) steps_[s][side].add(part.steps[s][side]);
+}
+
+// True if some pair of faces has a common point. Nearly always decided by the first pairs.
+bool OverlapOfBodies::some_pair_meets() {
+    constexpr std::size_t chunk = 64;
+    std::atomic<bool> meet{false};
+    workers_.parallel_for((pairs_.size() + chunk - 1) / chunk, [&](std::size_t part) {
+        cancellation_.check();
+        const std::size_t end = std::min(pairs_.size(), (part + 1) * chunk);
+        for (std::size_t i = part * chunk; i < end && !meet.load(std::memory_order_relaxed); ++i)
+            if (faces_meet(body(0).corners(pairs_[i].a), body(1).corners(pairs_[i].b))) meet = true;
+    });
+    return meet;
 }
 
 void OverlapOfBodies::find_windings(bool gradient) {

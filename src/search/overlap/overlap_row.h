@@ -79,6 +79,7 @@ class OverlapOfBodies {
     /// Decides how the pairs of triangles cross. Stores the steps of both shifts if `gradient`, else only those of the
     /// forward shift.
     void cross_pairs(bool gradient);
+    bool some_pair_meets();
     /// Makes the intervals in which winding numbers are constant.
     void find_windings(bool gradient);
     bool in_range() const { return sums_.surfaces.in_range(); }

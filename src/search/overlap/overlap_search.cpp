@@ -122,10 +122,13 @@ void OverlapSearch::find_pairs_of_two(BackendBase& backend) {
     const MeshView a = mesh(candidate.bodies.first), b = mesh(candidate.bodies.second);
     const PreparedScene scene = prepare_scene(a, &b, false, *host_, buffers_of_two_);
     // Rows decide all pairs again. Only bounds on depths need to know beforehand which faces meet others.
-    if (query_.depth_tolerance > 0)
-        backend.find(scene, IntersectionQuery(), nullptr, found_);
-    else
-        backend.find_possible(scene, found_);
+    bool decides = query_.depth_tolerance > 0;
+    try {
+        if (!decides) backend.find_possible(scene, found_);
+    } catch (const MemoryMeter::Exceeded&) {
+        decides = true;  // fewer pairs may fit
+    }
+    if (decides) backend.find(scene, IntersectionQuery(), nullptr, found_);
     std::swap(pairs_, found_.pairs);
     candidate.begin = 0;
     candidate.end = pairs_.size();
