@@ -153,7 +153,7 @@ std::vector<Pair> pairs_of(const Placed& a, const Placed& b) {
     return pairs;
 }
 
-DepthBounds bounds_of(const Placed& a, const Placed& b, double tolerance) {
+DepthBounds bounds_of(const Placed& a, const Placed& b, double tolerance, MemoryMeter& meter) {
     ParallelFor workers;
     Backwards backwards;
     Cancellation none;
@@ -162,13 +162,18 @@ DepthBounds bounds_of(const Placed& a, const Placed& b, double tolerance) {
     const std::array<DepthSide, 2> sides{DepthSide{&a.surface, &windings_a, depths_a, a.tree.get()},
                                          DepthSide{&b.surface, &windings_b, depths_b, b.tree.get()}};
     const std::vector<Pair> pairs = pairs_of(a, b);
-    const DepthBounds bounds = find_depth_bounds(sides, pairs, tolerance, workers, none);
-    const DepthBounds same = find_depth_bounds(sides, pairs, tolerance, backwards, none);
+    const DepthBounds bounds = find_depth_bounds(sides, pairs, tolerance, workers, meter, none);
+    const DepthBounds same = find_depth_bounds(sides, pairs, tolerance, backwards, meter, none);
     EXPECT_EQ(bounds.lower, same.lower);
     EXPECT_EQ(bounds.upper, same.upper);
     for (const auto& depths : {depths_a, depths_b})
         for (const VertexDepth& depth : depths) EXPECT_LE(depth.depth, bounds.upper);
     return bounds;
+}
+
+DepthBounds bounds_of(const Placed& a, const Placed& b, double tolerance) {
+    MemoryMeter meter;
+    return bounds_of(a, b, tolerance, meter);
 }
 
 /// Returns the greatest depth of random points of the faces of `of`, divided by `unit`.
@@ -219,6 +224,20 @@ TEST(OverlapDepth, bounds_of_crossed_bars_are_tight_though_no_vertex_is_inside) 
     EXPECT_NEAR(bounds.lower, 1, 1e-4);  // at the middles of two sides of the second bar
     EXPECT_GE(bounds.upper, 1);
     EXPECT_LE(bounds.upper, bounds.lower + 1e-4);
+}
+
+TEST(OverlapDepth, memory_of_pieces_is_counted_and_limited) {
+    const auto bodies = test::closed_bodies(2, 2, false, false);
+    const Placed a(bodies.soups[0]), b(bodies.soups[1]);
+    MemoryMeter coarse, fine, limited;
+    bounds_of(a, b, 0.5, coarse);
+    bounds_of(a, b, 1e-4, fine);
+    EXPECT_GT(coarse.peak, 0);
+    EXPECT_GT(fine.peak, 2 * coarse.peak);
+    EXPECT_EQ(fine.used, 0);
+    limited.limit = fine.peak - 1;
+    EXPECT_THROW(bounds_of(a, b, 1e-4, limited), MemoryMeter::Exceeded);
+    EXPECT_EQ(limited.used, 0);
 }
 
 TEST(OverlapDepth, tolerance_0_ends) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/memory_claim.h"
 #include "search/depth/depth_piece.h"
 
 // The depth and its bounds on pieces of faces are those of depth_piece.h. Pieces whose bound is large are halved at the
@@ -20,8 +21,14 @@ constexpr std::size_t most_splits = std::size_t{1} << 19;
 /// Refines the pieces of one surface.
 class Refinement {
    public:
-    Refinement(const DepthSide& of, const DepthSide& other, ParallelFor& workers, Cancellation& cancellation)
-        : of_(of), other_(*other.tree), box_(of.tree->surface().box), workers_(workers), cancellation_(cancellation) {}
+    Refinement(const DepthSide& of, const DepthSide& other, ParallelFor& workers, MemoryMeter& meter,
+               Cancellation& cancellation)
+        : of_(of),
+          other_(*other.tree),
+          box_(of.tree->surface().box),
+          workers_(workers),
+          cancellation_(cancellation),
+          memory_(meter) {}
 
     /// Makes a piece of each face that may have points inside. `faces`: those in pairs. Removes duplicates.
     void add_faces(std::vector<std::int32_t> faces);
@@ -39,6 +46,7 @@ class Refinement {
     bool is_inside(const Vec3d& p, double radius, const Piece& piece) const;
     double bound_of(const Piece& piece, double needless) const;
     void bound_faces(double known, double tolerance);
+    void claim(std::size_t pieces, std::size_t large, std::size_t split);
     void finish(const Piece& piece) { finished_ = max(finished_, piece.bound); }
     std::vector<Piece> remove_largest(double limit);
     void split(const std::vector<Piece>& large, double tolerance);
@@ -56,7 +64,21 @@ class Refinement {
     double greatest_ = 0;  ///< greatest depth that is known
     double finished_ = 0;  ///< greatest bound of the pieces that need not be refined
     int level_ = 0;
+    MemoryClaim memory_;  ///< the most bytes that all lists have had at a time
 };
+
+/// Returns the bytes of a vector after an increase of its size, which at most doubles its capacity.
+template <class T>
+std::size_t bytes_for(const std::vector<T>& vector, std::size_t size) {
+    return (size <= vector.capacity() ? vector.capacity() : std::max(size, 2 * vector.capacity())) * sizeof(T);
+}
+
+// Claims memory for lists of these sizes, before they are made.
+void Refinement::claim(std::size_t pieces, std::size_t large, std::size_t split) {
+    const std::size_t bytes = bytes_of(depth_at_) + bytes_for(pieces_, pieces) + 2 * large * sizeof(Piece) +
+                              split * sizeof(std::optional<Halves>);
+    if (bytes > memory_.bytes()) memory_.add(bytes - memory_.bytes());
+}
 
 // Vertices without a depth are outside, or on the other surface; their signed depth is at most 0. Vertices without an
 // edge have no place.
@@ -86,6 +108,7 @@ void Refinement::add_faces(std::vector<std::int32_t> faces) {
     }
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    claim(faces.size(), 0, 0);
     pieces_.resize(faces.size());
     for (std::size_t i = 0; i < faces.size(); ++i) {
         pieces_[i].bound = box_bound();
@@ -143,6 +166,7 @@ DepthBounds Refinement::refine(double known, double tolerance) {
             pieces_[kept++] = piece;
         }
         pieces_.resize(kept);
+        claim(kept, kept, 0);
         std::vector<Piece> large = remove_largest(greatest_ + max(tolerance, 0.5 * (upper - greatest_)));
         const std::size_t left = most_splits - splits;
         if (large.size() > left) {  // splits those with the largest bounds
@@ -162,6 +186,7 @@ DepthBounds Refinement::refine(double known, double tolerance) {
 
 void Refinement::split(const std::vector<Piece>& large, double tolerance) {
     constexpr std::size_t chunk = 32;
+    claim(pieces_.size() + 2 * large.size(), large.size(), large.size());
     std::vector<std::optional<Halves>> split(large.size());
     const double needless = greatest_ + tolerance;
     workers_.parallel_for((large.size() + chunk - 1) / chunk, [&](std::size_t part) {
@@ -251,9 +276,10 @@ double least_tolerance(const Bounds& a, const Bounds& b) {
 
 /// Returns the bounds of one surface, in units of length; depths up to `known` are of no interest.
 DepthBounds side_bounds(const std::array<DepthSide, 2>& sides, std::size_t side, std::vector<std::int32_t> faces,
-                        double known, double tolerance, ParallelFor& workers, Cancellation& cancellation) {
+                        double known, double tolerance, ParallelFor& workers, MemoryMeter& meter,
+                        Cancellation& cancellation) {
     const double scale = sides[1 - side].tree->scale();
-    Refinement refinement(sides[side], sides[1 - side], workers, cancellation);
+    Refinement refinement(sides[side], sides[1 - side], workers, meter, cancellation);
     refinement.add_faces(std::move(faces));
     const DepthBounds scaled = refinement.refine(narrower * (scale * known), scale * tolerance);
     if (scale == 1) return scaled;
@@ -263,7 +289,7 @@ DepthBounds side_bounds(const std::array<DepthSide, 2>& sides, std::size_t side,
 }  // namespace
 
 DepthBounds find_depth_bounds(const std::array<DepthSide, 2>& sides, std::span<const Pair> pairs, double tolerance,
-                              ParallelFor& workers, Cancellation& cancellation) {
+                              ParallelFor& workers, MemoryMeter& meter, Cancellation& cancellation) {
     const double least = least_tolerance(sides[0].tree->surface().box, sides[1].tree->surface().box);
     if (!(tolerance > least)) tolerance = least;
     double known = 0, upper = 0;
@@ -272,7 +298,8 @@ DepthBounds find_depth_bounds(const std::array<DepthSide, 2>& sides, std::span<c
     for (std::size_t side = 0; side < 2; ++side) {
         std::vector<std::int32_t> faces;
         for (const Pair& pair : pairs) faces.push_back(side == 0 ? pair.a : pair.b);
-        const DepthBounds bounds = side_bounds(sides, side, std::move(faces), known, tolerance, workers, cancellation);
+        const DepthBounds bounds =
+            side_bounds(sides, side, std::move(faces), known, tolerance, workers, meter, cancellation);
         known = max(known, bounds.lower);
         upper = max(upper, bounds.upper);
     }

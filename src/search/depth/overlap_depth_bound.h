@@ -28,8 +28,9 @@ struct DepthSide {
 /// number is constant along a face that the other surface does not meet. The result does not depend on the number of
 /// threads. Cost: less than a microsecond for each such face, and some microseconds for each split. A tolerance of 1 %
 /// of the depth takes few splits. Most are needed if the depth is nearly constant along a large part of a face: about
-/// that part's area, divided by the product of depth and tolerance.
+/// that part's area, divided by the product of depth and tolerance. Memory, which the meter counts: some 200 bytes
+/// for each such face and each split so far, and 1 kB for each split of one round. Throws MemoryMeter::Exceeded.
 DepthBounds find_depth_bounds(const std::array<DepthSide, 2>& sides, std::span<const Pair> pairs, double tolerance,
-                              ParallelFor& workers, Cancellation& cancellation);
+                              ParallelFor& workers, MemoryMeter& meter, Cancellation& cancellation);
 
 }  // namespace crumple

@@ -245,7 +245,7 @@ void OverlapOfBodies::add_depths(const OverlapQuery& query, const std::array<con
         sides[side] = {&body(side), &steps(side), depths[side], tree[side]};
     }
     if (query.depth_tolerance > 0)
-        row.depth_bounds = find_depth_bounds(sides, pairs_, query.depth_tolerance, workers_, cancellation_);
+        row.depth_bounds = find_depth_bounds(sides, pairs_, query.depth_tolerance, workers_, meter_, cancellation_);
     was_exact_ |= rational != 0;
     if (query.depths) row.depths = std::move(depths);
 }
