@@ -13,7 +13,7 @@
 namespace crumple::cli {
 namespace {
 
-constexpr NumberRange any_tolerance{std::numeric_limits<double>::infinity(), "tolerance of 0 or more"};
+constexpr NumberRange any_tolerance{std::numeric_limits<double>::infinity(), "tolerance above 0"};
 constexpr NumberRange any_volume{std::numeric_limits<double>::infinity(), "volume of 0 or more"};
 
 OverlapQuery query_of(const OverlapOptions& options, Output output, const BodyScene& scene, std::size_t count) {
@@ -115,7 +115,10 @@ std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOption
 void add_overlap_parts(CLI::App& app, OverlapOptions& options) {
     app.add_flag("--regions", options.regions,
                  "also the connected regions of each overlap, with volume, thickness and box; not in .csv");
-    const auto set = [&options](double value) { options.depth_tolerance = value; };
+    const auto set = [&options](double value) {
+        if (value == 0) refuse("--depth-tolerance must be above 0");
+        options.depth_tolerance = value;
+    };
     add_number_option(app, "--depth-tolerance", set, any_tolerance,
                       "also bounds on the greatest depth of any point, which differ by at most this; not in .csv")
         ->type_name("D");

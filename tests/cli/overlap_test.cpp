@@ -382,6 +382,7 @@ TEST_F(Overlap, wrong_options_are_refused) {
                    "regions, depths and withdrawals are written as .txt, .json or .npz");
     expect_refused("overlap low.off high.off --regions --body-pairs", "need all numbers of a row");
     expect_refused("overlap low.off high.off --depth-tolerance -1", "--depth-tolerance");
+    expect_refused("overlap low.off high.off --depth-tolerance 0", "--depth-tolerance must be above 0");
     for (const char* const direction : {"0,0", "0,0,1,", "a,b,c", "0,0,nan", "0 0 1"})
         expect_refused(std::string("overlap low.off high.off --withdraw \"") + direction + '"',
                        "a direction is written as 0,0,1");
