@@ -146,6 +146,9 @@ class Collected {
         : scene_(scene), bodies_(static_cast<std::int32_t>(scene.names().size())) {
         result_.list.has_configurations = !options.bodies.poses.empty();
         result_.list.has_numbers = output == Output::pairs;
+        result_.list.has_regions = options.regions;
+        result_.list.depth_tolerance = options.depth_tolerance;
+        result_.list.has_first_free = options.first_free;
         for (const auto& direction : options.directions)
             result_.list.directions.insert(result_.list.directions.end(), direction.begin(), direction.end());
     }

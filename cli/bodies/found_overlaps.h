@@ -23,7 +23,7 @@ struct OverlapOptions {
     bool self = false;  ///< overlaps of each body with itself, too; implied if there is one body
     BodyOptions bodies;
 };
-/// Adds options for numbers that `verify` does not check, to a command that writes rows.
+/// Adds options for further numbers to a command that writes rows. `verify` reads in the list which ones it has.
 void add_overlap_parts(CLI::App& app, OverlapOptions& options);
 /// Adds these options to a command and returns them. `condition`: prefix of the help of each option.
 std::vector<const CLI::Option*> add_overlap_options(CLI::App& app, OverlapOptions& options,

@@ -27,11 +27,11 @@ bool is_same_number(double a, double b) { return a == b || (std::isnan(a) && std
 
 /// Describes the first quantity that differs, with the listed and the right number: "volume 0.5, it is 0.25". Returns
 /// an empty text if none differs.
-std::string difference(const WrongOverlap& row) {
+std::string difference(std::span<const io::OverlapQuantity> quantities, std::span<const double> all_listed,
+                       std::span<const double> all_right) {
     std::size_t place = 0;
-    for (const io::OverlapQuantity& quantity : io::overlap_quantities) {
-        const auto listed = std::span(row.listed.numbers).subspan(place, quantity.width),
-                   right = std::span(row.right.numbers).subspan(place, quantity.width);
+    for (const io::OverlapQuantity& quantity : quantities) {
+        const auto listed = all_listed.subspan(place, quantity.width), right = all_right.subspan(place, quantity.width);
         if (!std::equal(listed.begin(), listed.end(), right.begin(), is_same_number))
             return fmt::format("{} {}, it is {}", quantity.name, fmt::join(listed, " "), fmt::join(right, " "));
         place += quantity.width;
@@ -39,14 +39,64 @@ std::string difference(const WrongOverlap& row) {
     return {};
 }
 
+/// Comparison of the numbers of rows of two lists.
+class RowNumbers {
+   public:
+    RowNumbers(const io::OverlapList& list, const io::OverlapList& right) : list_(list), right_(right) {}
+
+    /// Describes the first number that differs, as above.
+    std::string difference(const WrongOverlap& row) const {
+        if (!list_.has_numbers) return {};
+        std::string text = cli::difference(io::overlap_quantities, row.listed.numbers, row.right.numbers);
+        const std::size_t directions = list_.directions.size() / 3;
+        for (const auto& [name, numbers, count] :
+             {std::tuple("depth_reached", &io::OverlapList::depth_reached, std::size_t{1}),
+              std::tuple("depth_bound", &io::OverlapList::depth_bound, std::size_t{1}),
+              std::tuple("withdrawals", &io::OverlapList::withdrawals, directions),
+              std::tuple("first_free", &io::OverlapList::first_free, directions)})
+            if (text.empty()) text = difference(name, list_.*numbers, right_.*numbers, count, row);
+        return text.empty() && list_.has_regions ? difference_of_regions(row) : text;
+    }
+
+   private:
+    static std::string difference(const char* name, const std::vector<double>& listed, const std::vector<double>& right,
+                                  std::size_t count, const WrongOverlap& row) {
+        if (listed.empty()) return {};
+        const auto of = [&](const std::vector<double>& numbers, const OverlapListRow& at) {
+            return std::span(numbers).subspan(static_cast<std::size_t>(at.place) * count, count);
+        };
+        const auto given = of(listed, row.listed), exact = of(right, row.right);
+        if (std::equal(given.begin(), given.end(), exact.begin(), is_same_or_null)) return {};
+        return fmt::format("{} {}, it is {}", name, fmt::join(given, " "), fmt::join(exact, " "));
+    }
+
+    std::string difference_of_regions(const WrongOverlap& row) const {
+        const auto listed = list_.regions_of(row.listed), right = right_.regions_of(row.right);
+        if (listed.size() != right.size()) return fmt::format("{} regions, it has {}", listed.size(), right.size());
+        for (std::size_t r = 0; r < listed.size(); ++r)
+            if (const std::string text = cli::difference(io::region_quantities, listed[r].numbers, right[r].numbers);
+                !text.empty())
+                return fmt::format("region {}: {}", r, text);
+        return {};
+    }
+
+    /// True if the numbers are the same. NaN may stand for infinity, as JSON has null for both.
+    static bool is_same_or_null(double listed, double right) {
+        return is_same_number(listed, right) || (std::isnan(listed) && std::isinf(right));
+    }
+
+    const io::OverlapList &list_, &right_;
+};
+
 int print_overlap_verdict(const io::OverlapList& list, const io::OverlapList& right_list,
                           const std::vector<std::string>& names) {
     std::vector<WrongOverlap> relations, numbers;
+    const RowNumbers row_numbers(list, right_list);
     const auto key = [](const OverlapListRow& row) { return std::tie(row.configuration, row.bodies); };
     const auto comparison =
         compare_rows(list.rows, right_list.rows, key, [&](const OverlapListRow& listed, const OverlapListRow& exact) {
             if (listed.relation != exact.relation) relations.push_back({listed, exact});
-            if (list.has_numbers && !difference({listed, exact}).empty()) numbers.push_back({listed, exact});
+            if (!row_numbers.difference({listed, exact}).empty()) numbers.push_back({listed, exact});
         });
     const bool right = comparison.right() && relations.empty() && numbers.empty();
     to_standard_output([&](std::ostream& out) {
@@ -67,7 +117,7 @@ int print_overlap_verdict(const io::OverlapList& list, const io::OverlapList& ri
                                io::name_of(row.right.relation));
         });
         print_some(out, "numbers of", numbers,
-                   [&](const WrongOverlap& row) { return text(row.right) + ": " + difference(row); });
+                   [&](const WrongOverlap& row) { return text(row.right) + ": " + row_numbers.difference(row); });
         print_some(out, "repeated", comparison.repeated, text);
     });
     return right ? done : collided;
@@ -109,8 +159,14 @@ int verify_overlaps(const OverlapCheck& check, const std::vector<std::string>& f
         is_standard(path) ? io::read_overlaps(std::cin, "standard input" + (format.empty() ? "" : "." + format),
                                               scene.names(), has_configurations)
                           : io::read_overlaps(path, scene.names(), has_configurations);
+    OverlapOptions overlap = check.options;
+    overlap.regions = list.has_regions;
+    overlap.depth_tolerance = list.depth_tolerance;
+    overlap.first_free = list.has_first_free;
+    for (std::size_t j = 0; j + 2 < list.directions.size(); j += 3)
+        overlap.directions.push_back({list.directions[j], list.directions[j + 1], list.directions[j + 2]});
     const FoundOverlaps found =
-        find_overlaps(search, scene, check.options, list.has_numbers ? Output::pairs : Output::body_pairs);
+        find_overlaps(search, scene, overlap, list.has_numbers ? Output::pairs : Output::body_pairs);
     return print_overlap_verdict(list, found.list, scene.names());
 }
 

@@ -94,7 +94,8 @@ TEST_F(Overlap, regions_depths_and_withdrawals_are_printed_and_written) {
         << printed;
     ASSERT_EQ(crumple("overlap low.off pin.off far.off " + parts + "-o a.json -o a.npz").status, 0);
     const auto json = nlohmann::json::parse(read("a.json"));
-    EXPECT_EQ(json["withdrawals"].dump(), "[[0.125,0.75]]");
+    EXPECT_EQ(json["withdrawals"].dump(), "[0.125,0.75]");
+    EXPECT_EQ(json["depth_tolerance"].dump(), "[0.01]");
     EXPECT_EQ(json["directions"].dump(), "[[0,0,2],[-1,0,0]]");
     EXPECT_EQ(json["region_rows"].dump(), "[0]");
     EXPECT_EQ(json["region_box"].dump(), "[[0.25,0.25,0.75,0.75,0.75,1]]");
@@ -116,8 +117,56 @@ TEST_F(Overlap, first_free_motion_is_printed_and_written) {
                          "is past it after 0.75 times "
                          "the direction\n"));
     ASSERT_EQ(crumple("overlap " + parts + "-o a.json -o a.npz").status, 0);
-    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["first_free"].dump(), "[[0.125,0.75]]");
+    EXPECT_EQ(nlohmann::json::parse(read("a.json"))["first_free"].dump(), "[0.125,0.75]");
     EXPECT_TRUE(contains(read("a.npz"), "first_free.npy"));
+}
+
+TEST_F(Overlap, verify_checks_regions_depths_and_withdrawals) {
+    write("pin.off", box_off({0.25, 0.25, 0.75}, {0.75, 0.75, 1.75}));
+    const std::string bodies = "low.off pin.off low.off ";
+    const std::string parts = "--regions --depth-tolerance 0.01 --withdraw 0,0,2 --withdraw -1,0,0 --first-free ";
+    ASSERT_EQ(crumple("overlap " + bodies + parts + "-o a.json -o a.npz").status, 0);
+    for (const char* const name : {"a.json", "a.npz"}) {
+        const Outcome verified = crumple("verify --overlaps " + bodies + name);
+        EXPECT_EQ(verified.status, 0) << verified.out;
+    }
+    const auto expect_wrong = [&](auto change, const std::string& text) {
+        auto json = nlohmann::json::parse(read("a.json"));
+        change(json);
+        write("b.json", json.dump());
+        const Outcome verified = crumple("verify --overlaps " + bodies + "b.json");
+        EXPECT_EQ(verified.status, 1) << text;
+        EXPECT_TRUE(contains(verified.out, "1 of other numbers")) << verified.out;
+        EXPECT_TRUE(contains(verified.out, text)) << verified.out;
+    };
+    expect_wrong([](auto& json) { json["withdrawals"][1] = 0.5; },
+                 "low and pin: withdrawals 0.125 0.5, it is 0.125 0.75");
+    expect_wrong([](auto& json) { json["first_free"][0] = 0; }, "low and pin: first_free 0 0.75, it is 0.125 0.75");
+    expect_wrong([](auto& json) { json["depth_bound"][0] = 7; }, "low and pin: depth_bound 7, it is 0.25");
+    expect_wrong([](auto& json) { json["depth_reached"][0] = nullptr; }, "low and pin: depth_reached nan, it is ");
+    expect_wrong([](auto& json) { json["region_volume"][0] = 1; }, "region 0: region_volume 1, it is 0.0625");
+    expect_wrong(
+        [](auto& json) {
+            for (auto& [name, values] : json.items())
+                if (name.starts_with("region_")) values.erase(values.begin());
+        },
+        "low and pin: 0 regions, it has 1");
+    const auto expect_invalid = [&](auto change, const std::string& text) {
+        auto json = nlohmann::json::parse(read("a.json"));
+        change(json);
+        write("b.json", json.dump());
+        expect_refused("verify --overlaps " + bodies + "b.json", "b.json: " + text);
+    };
+    expect_invalid([](auto& json) { json["withdrawals"].erase(0); }, "\"withdrawals\" must have 6 rows");
+    expect_invalid([](auto& json) { json.erase("withdrawals"); }, "there is no array \"withdrawals\"");
+    expect_invalid(
+        [](auto& json) {
+            json["directions"][1] = {0, 0, 0};
+        },
+        "row 1 of \"directions\": this is not a direction");
+    expect_invalid([](auto& json) { json["depth_tolerance"][0] = 0; },
+                   "row 0 of \"depth_tolerance\": this is not a tolerance");
+    expect_invalid([](auto& json) { json["region_rows"][0] = 3; }, "row 0 of \"region_rows\": there is no such row");
 }
 
 TEST_F(Overlap, backends_and_thread_counts_give_the_same_bytes) {

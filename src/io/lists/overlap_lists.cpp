@@ -1,6 +1,7 @@
 #include "io/lists/overlap_lists.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -51,6 +52,18 @@ RowTable overlap_rows(bool has_configurations, bool has_numbers) {
 const ListArray configuration_array{"configuration", NumberType::int32, 1, {"configuration"}};
 const ListArray bodies_array{"bodies", NumberType::int32, 2, {"body", "body"}};
 const ListArray relation_array{"relation", NumberType::uint8};
+const ListArray region_rows_array{"region_rows", NumberType::int32, 1, {"row"}};
+
+/// Describes an array of numbers that may be NaN.
+ListArray numbers_array(const char* name, std::size_t width = 1) {
+    ListArray array{name, NumberType::float64, width};
+    array.may_be_nan = true;
+    return array;
+}
+const ListArray depth_tolerance_array = numbers_array("depth_tolerance"),
+                depth_reached_array = numbers_array("depth_reached"), depth_bound_array = numbers_array("depth_bound"),
+                directions_array = numbers_array("directions", 3), withdrawals_array = numbers_array("withdrawals"),
+                first_free_array = numbers_array("first_free");
 
 ListArray array_of(const OverlapQuantity& quantity) {
     ListArray array{std::string(quantity.name), NumberType::float64, quantity.width};
@@ -75,20 +88,21 @@ ListMember member_of(ListArray array, const std::vector<Row>& rows, NumbersOf nu
 
 /// Adds regions, depths and withdrawals, if the list has them.
 void add_parts(const OverlapList& list, std::vector<ListMember>& members) {
-    const auto add = [&](const char* name, const std::vector<double>& numbers, std::size_t width) {
-        if (numbers.empty()) return;
-        ListArray array{name, NumberType::float64, width};
-        array.may_be_nan = true;
-        members.push_back(ListMember{std::move(array), numbers.data(), numbers.size() / width});
+    const auto add = [&](bool requested, const ListArray& array, const std::vector<double>& numbers) {
+        if (requested) members.push_back(ListMember{array, numbers.data(), numbers.size() / array.width});
     };
-    add("depth_reached", list.depth_reached, 1);
-    add("depth_bound", list.depth_bound, 1);
-    add("directions", list.directions, 3);
-    const std::size_t count = list.directions.size() / 3;
-    add("withdrawals", list.withdrawals, count);
-    add("first_free", list.first_free, count);
-    if (list.regions.empty()) return;
-    members.push_back(member_of(ListArray{"region_rows", NumberType::int32, 1}, list.regions,
+    const auto one = std::make_shared<double>(list.depth_tolerance);
+    if (list.depth_tolerance > 0) {
+        members.push_back(ListMember{depth_tolerance_array, one.get(), 1});
+        members.back().owner = one;
+    }
+    add(list.depth_tolerance > 0, depth_reached_array, list.depth_reached);
+    add(list.depth_tolerance > 0, depth_bound_array, list.depth_bound);
+    add(!list.directions.empty(), directions_array, list.directions);
+    add(!list.directions.empty(), withdrawals_array, list.withdrawals);
+    add(list.has_first_free, first_free_array, list.first_free);
+    if (!list.has_regions) return;
+    members.push_back(member_of(region_rows_array, list.regions,
                                 [](const OverlapListRegion& region) { return std::array{region.row}; }));
     for_each_quantity(region_quantities, [&](const OverlapQuantity& quantity, std::size_t place) {
         members.push_back(member_of(array_of(quantity), list.regions, [&](const OverlapListRegion& region) {
@@ -160,6 +174,9 @@ class OverlapReader {
         std::vector<ListArray> arrays{bodies_array, relation_array};
         if (list_.has_configurations) arrays.push_back(configuration_array);
         for (const OverlapQuantity& quantity : overlap_quantities) arrays.push_back(array_of(quantity));
+        for (const OverlapQuantity& quantity : region_quantities) arrays.push_back(array_of(quantity));
+        arrays.insert(arrays.end(), {region_rows_array, depth_tolerance_array, depth_reached_array, depth_bound_array,
+                                     directions_array, withdrawals_array, first_free_array});
         RowTable rows = overlap_rows(list_.has_configurations, true);
         rows.may_lack = overlap_number_count;
         read_list(source_, {rows, [&](std::size_t, std::span<const ListValue> values) { return add(values); }, arrays,
@@ -192,6 +209,7 @@ class OverlapReader {
         if (list_.rows.empty()) list_.has_numbers = !numbers.empty();
         if (list_.has_numbers == numbers.empty()) return "some rows have numbers and some do not";
         for (std::size_t i = 0; i < numbers.size(); ++i) row.numbers[i] = std::get<double>(numbers[i]);
+        row.place = static_cast<std::int32_t>(list_.rows.size());
         list_.rows.push_back(row);
         return {};
     }
@@ -205,6 +223,7 @@ class OverlapReader {
         };
         const std::vector<double>& relations = need(numbers, relation_array).numbers;
         for (std::size_t i = 0; i < list_.rows.size(); ++i) {
+            list_.rows[i].place = static_cast<std::int32_t>(i);
             list_.rows[i].bodies = {body(2 * i), body(2 * i + 1)};
             const auto relation = std::find(all_relations.begin(), all_relations.end(), relations[i]);
             if (relation == all_relations.end()) fail_at(relation_array, i, "this is not a relation of two bodies");
@@ -222,15 +241,65 @@ class OverlapReader {
             for (std::size_t i = 0; i < values.size(); ++i)
                 list_.rows[i / quantity.width].numbers[place + i % quantity.width] = values[i];
         });
+        if (numbers.contains(depth_tolerance_array.name)) add_depths(numbers);
+        if (numbers.contains(directions_array.name)) add_withdrawals(numbers);
+        if (numbers.contains(region_rows_array.name)) add_regions(numbers);
     }
 
-    /// Returns the numbers of an array. Throws Error (format) if it is missing or has another number of rows.
+    void add_depths(const NumbersByName& numbers) {
+        list_.depth_tolerance = need(numbers, depth_tolerance_array, 1).numbers[0];
+        if (!(list_.depth_tolerance > 0 && std::isfinite(list_.depth_tolerance)))
+            fail_at(depth_tolerance_array, 0, "this is not a tolerance above 0");
+        list_.depth_reached = need(numbers, depth_reached_array).numbers;
+        list_.depth_bound = need(numbers, depth_bound_array).numbers;
+    }
+
+    void add_withdrawals(const NumbersByName& numbers) {
+        list_.directions = numbers.find(directions_array.name)->second.numbers;
+        const std::size_t count = list_.directions.size() / 3;
+        for (std::size_t j = 0; j < count; ++j) {
+            const auto d = std::span(list_.directions).subspan(3 * j, 3);
+            const bool valid = std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]);
+            if (!valid || (d[0] == 0 && d[1] == 0 && d[2] == 0))
+                fail_at(directions_array, j, "this is not a direction");
+        }
+        list_.withdrawals = need(numbers, withdrawals_array, count * list_.rows.size()).numbers;
+        list_.has_first_free = numbers.contains(first_free_array.name);
+        if (list_.has_first_free) list_.first_free = need(numbers, first_free_array, count * list_.rows.size()).numbers;
+    }
+
+    void add_regions(const NumbersByName& numbers) {
+        list_.has_regions = true;
+        const std::vector<std::int32_t>& rows = numbers.find(region_rows_array.name)->second.ids;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (static_cast<std::size_t>(rows[i]) >= list_.rows.size())
+                fail_at(region_rows_array, i, "there is no such row");
+            if (i > 0 && rows[i] < rows[i - 1]) fail_at(region_rows_array, i, "rows must be in ascending order");
+            list_.regions.push_back({rows[i]});
+        }
+        for_each_quantity(region_quantities, [&](const OverlapQuantity& quantity, std::size_t place) {
+            const std::vector<double>& values = need(numbers, array_of(quantity), rows.size()).numbers;
+            for (std::size_t i = 0; i < values.size(); ++i)
+                list_.regions[i / quantity.width].numbers[place + i % quantity.width] = values[i];
+        });
+    }
+
+    /// Returns the numbers of an array. Throws Error (format) if it is missing or does not have as many rows as the
+    /// list.
     const ArrayNumbers& need(const NumbersByName& numbers, const ListArray& array) const {
         const auto found = numbers.find(array.name);
         if (found == numbers.end()) fail("there is no array \"" + array.name + '"');
         const std::size_t count = found->second.ids.size() + found->second.numbers.size();
         if (array.name != bodies_array.name && count != list_.rows.size() * array.width)
             fail('"' + array.name + "\" is not as long as \"" + bodies_array.name + '"');
+        return found->second;
+    }
+    /// Returns the numbers of an array of another length. Throws Error (format) if it is missing or has another length.
+    const ArrayNumbers& need(const NumbersByName& numbers, const ListArray& array, std::size_t rows) const {
+        const auto found = numbers.find(array.name);
+        if (found == numbers.end()) fail("there is no array \"" + array.name + '"');
+        if (found->second.ids.size() + found->second.numbers.size() != rows * array.width)
+            fail('"' + array.name + "\" must have " + std::to_string(rows) + " rows");
         return found->second;
     }
     [[noreturn]] void fail(const std::string& message) const {
@@ -268,12 +337,20 @@ void OverlapList::add_region(const Overlaps& overlaps, std::int64_t r, std::int3
     put(overlaps.region_box);
 }
 
+std::span<const OverlapListRegion> OverlapList::regions_of(const OverlapListRow& row) const {
+    const auto before = [](const OverlapListRegion& region, std::int32_t place) { return region.row < place; };
+    const auto begin = std::lower_bound(regions.begin(), regions.end(), row.place, before),
+               end = std::lower_bound(begin, regions.end(), row.place + 1, before);
+    return {begin, end};
+}
+
 void OverlapList::add(const Overlaps& overlaps, std::int32_t bodies, std::int32_t first_configuration) {
     const std::size_t first = rows.size(), count = overlaps.bodies.size();
     rows.resize(first + count);
     for (std::size_t i = 0; i < count; ++i) {
         const BodyPair& pair = overlaps.bodies[i];
         const std::int32_t world = pair.first / bodies;
+        rows[first + i].place = static_cast<std::int32_t>(first + i);
         rows[first + i].configuration = first_configuration + world;
         rows[first + i].bodies = {pair.first - world * bodies, pair.second - world * bodies};
         rows[first + i].relation = overlaps.relation[i];

@@ -58,7 +58,7 @@ inline constexpr std::size_t region_number_count = 18;
 
 /// Region of a row of a list of overlaps.
 struct OverlapListRegion {
-    std::int32_t row;
+    std::int32_t row;                                   ///< OverlapListRow::place of its row
     std::array<double, region_number_count> numbers{};  ///< the quantities, one after the other
 
     double volume() const { return numbers[0]; }
@@ -73,6 +73,7 @@ struct OverlapListRow {
     BodyPair bodies{0, 0};  ///< indices within one configuration
     OverlapRelation relation = OverlapRelation::touching;
     std::array<double, overlap_number_count> numbers{};  ///< the quantities, one after the other
+    std::int32_t place = 0;                              ///< index among the rows of its list
 
     double volume() const { return numbers[0]; }
     std::array<double, 3> normal() const { return {numbers[7], numbers[8], numbers[9]}; }
@@ -84,15 +85,21 @@ struct OverlapList {
     bool has_configurations = false;
     bool has_numbers = true;
     std::vector<OverlapListRow> rows = {};
-    // If requested; written as .json and .npz, and not read:
-    std::vector<OverlapListRegion> regions = {};
+    // If requested; in .json and .npz only:
+    bool has_regions = false;
+    std::vector<OverlapListRegion> regions = {};               ///< by row
+    double depth_tolerance = 0;                                ///< tolerance of the depths; 0 if there are none
     std::vector<double> depth_reached = {}, depth_bound = {};  ///< by row
     std::vector<double> directions = {};                       ///< directions of withdrawals, three numbers each
-    std::vector<double> withdrawals = {}, first_free = {};     ///< by row and direction
+    bool has_first_free = false;
+    std::vector<double> withdrawals = {}, first_free = {};  ///< by row and direction
 
     /// Adds the rows of `overlaps`, found in one search of several worlds that have `bodies` bodies each. World w
     /// becomes configuration `first_configuration` + w.
     void add(const Overlaps& overlaps, std::int32_t bodies, std::int32_t first_configuration);
+
+    /// Returns the regions of a row.
+    std::span<const OverlapListRegion> regions_of(const OverlapListRow& row) const;
 
    private:
     /// Adds region r of all regions of `overlaps`; `row`: index of its row in `rows`.
