@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from . import _core
 from ._errors import InvalidInput, InvalidType, name_of_type, suggesting
@@ -32,8 +33,11 @@ class NormalFrom(IntEnum):
     REST = 3
 
 
-class Stencils(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class Stencils:
     """Result of stencils: n rows, one for each pair of features or, with `reduced`, for several equal ones.
+
+    `len(stencils)` is n.
 
     With x the positions of the vertices, (weights[i, :, None] * x[vertices[i]]).sum(axis=0) is the vector from the
     nearest point of the second feature to that of the first, up to rounding. Its length is the distance. The derivative
@@ -78,6 +82,14 @@ class Stencils(NamedTuple):
     row_of_pair: NDArray[np.int64]
     first_vertex: NDArray[np.int64]
 
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.distance)
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{self.first[k + 1] - self.first[k]} {kind}" for k, kind in enumerate(_KINDS))
+        return f"<crumple.Stencils: {len(self)} rows ({kinds})>"
+
     def rows(self, kind: str) -> slice:
         """Returns the rows of a kind, such as "vertex_face".
 
@@ -111,7 +123,7 @@ class Stencils(NamedTuple):
         if len(self.multiplicity):
             arrays["multiplicity"] = self.multiplicity[rows]
         first = np.searchsorted(rows, self.first)
-        return self._replace(**arrays, first=first, row_of_pair=self.row_of_pair[:0])
+        return replace(self, **arrays, first=first, row_of_pair=self.row_of_pair[:0])
 
     def vectors(self, x: Any) -> NDArray[np.float64]:
         """Returns the sum of weights times the rows of `x` that belong to the vertices.
@@ -125,10 +137,19 @@ class Stencils(NamedTuple):
         -------
         (n, 3) ndarray of float64
             For positions, the vectors between the points of the features that were nearest.
+
+        Raises
+        ------
+        InvalidInput
+            If `x` does not have three columns, or lacks a row.
         """
         import numpy as np
 
-        return np.einsum("kc,kcx->kx", self.weights, np.asarray(x)[self.vertices])
+        x = np.asarray(x)
+        if x.ndim != 2 or x.shape[1] != 3:
+            raise InvalidInput(f"x must have shape (vertices, 3), not {x.shape}")
+        self._check_count(len(x), "the number of rows of x")
+        return np.einsum("kc,kcx->kx", self.weights, x[self.vertices])
 
     def scatter(self, vectors: Any, vertices: int) -> NDArray[np.float64]:
         """Returns the sum of weights times `vectors` for each vertex: the transpose of `vectors`.
@@ -144,12 +165,26 @@ class Stencils(NamedTuple):
         -------
         (vertices, 3) ndarray of float64
             Summed in the order of the rows.
+
+        Raises
+        ------
+        InvalidInput
+            If `vectors` does not have shape (n, 3), or `vertices` is too small.
         """
         import numpy as np
 
-        parts = self.weights[:, :, None] * np.asarray(vectors)[:, None, :]
+        vectors = np.asarray(vectors)
+        if vectors.shape != (len(self), 3):
+            raise InvalidInput(f"vectors must have shape ({len(self)}, 3), not {vectors.shape}")
+        self._check_count(vertices, "vertices")
+        parts = self.weights[:, :, None] * vectors[:, None, :]
         names = self.vertices.ravel()
         return np.stack([np.bincount(names, parts[..., axis].ravel(), vertices) for axis in range(3)], axis=1)
+
+    def _check_count(self, count: int, name: str) -> None:
+        most = self.vertices.max(initial=-1)
+        if count <= most:
+            raise InvalidInput(f"{name} must be above the largest index, {most}, not {count}")
 
 
 def _positions(given: Any, name: str) -> NDArray[np.float64] | None:
@@ -183,8 +218,8 @@ def stencils(
     Parameters
     ----------
     scene : scene
-        Scene of the query, in host memory: a mesh or (vertices, faces), a list of two meshes, or a World. For Impacts it
-        moves: Mesh(start, faces).moving_to(end).
+        Scene of the query, in host memory: a mesh or (vertices, faces), a list of two meshes, or a World. For Impacts
+        it moves: Mesh(start, faces).moving_to(end).
     found : Proximities or Impacts
         Result that lists pairs. Proximities with closest=True save half of the work here.
     before : (vertices, 3) array_like of float64 or float32, optional
@@ -214,8 +249,8 @@ def stencils(
     Notes
     -----
     The bytes are the same for every backend and number of threads. Ctrl-C waits for the result. Cost per pair: about
-    0.2 us, without `closest` 0.4 us; `reduced`, which sorts the pairs, adds 0.2 us. docs/nearness.md describes signs, and normals of
-    pairs that touch.
+    0.2 us, without `closest` 0.4 us; `reduced`, which sorts the pairs, adds 0.2 us. docs/nearness.md describes signs,
+    and normals of pairs that touch.
     """
     if not isinstance(found, FeatureResult):
         raise InvalidType(f"found must be crumple.Proximities or crumple.Impacts, not {name_of_type(type(found))}")

@@ -1,6 +1,7 @@
 """Tests of stencils: energies and gradients made from them match brute force over all pairs of features."""
 
 import pickle
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -23,6 +24,11 @@ def barrier(squared, limit):
     return -(apart**2) * np.log(ratio), -2 * apart * np.log(ratio) - apart**2 / np.where(inside, squared, 1)
 
 
+def arrays_of(rows):
+    """Returns pairs of name and array."""
+    return [(field.name, getattr(rows, field.name)) for field in fields(rows)]
+
+
 def energy_of_all_pairs(vertices, mesh, edges):
     """Returns the energy of all pairs of features, found without a search and without closest parts."""
     total = 0.0
@@ -37,7 +43,7 @@ def test_energy_and_gradient_match_all_pairs_and_differences(reduced, detector):
     mesh = soup(25, size=0.4, dtype=np.float64)
     near = detector.proximities(mesh, radius=RADIUS, closest=True)
     rows = crumple.stencils(mesh, near, reduced=reduced)
-    assert len(near) == (rows.multiplicity.sum() if reduced else len(rows.distance))
+    assert len(near) == (rows.multiplicity.sum() if reduced else len(rows))
     count = rows.multiplicity if reduced else 1
     value, slope = barrier(rows.distance**2, RADIUS**2)
     energy = energy_of_all_pairs(mesh.vertices, mesh, near.edges)
@@ -71,18 +77,17 @@ def test_arrays_have_the_documented_types_and_can_be_pickled(detector):
                 "distance": ("float64", (1,)), "normal_from": ("uint8", (1,)), "type": ("uint8", (1,)),
                 "first": ("int64", (5,)), "multiplicity": ("int32", (0,)), "row_of_pair": ("int64", (0,)),
                 "first_vertex": ("int64", (2,))}  # fmt: skip
-    assert {name: (array.dtype.name, array.shape) for name, array in rows._asdict().items()} == expected
+    assert {name: (array.dtype.name, array.shape) for name, array in arrays_of(rows)} == expected
+    assert len(rows) == 1 and repr(rows).startswith("<crumple.Stencils: 1 rows (1 vertex_face, 0 edge_edge,")
     assert rows.vertices.tolist() == [[3, 0, 1, 2]] and rows.weights.tolist() == [[1, -0.5, -0.25, -0.25]]
     assert rows.normals.tolist() == [[0, 0, 1]] and rows.distance.tolist() == [0.25]
     assert rows.normal_from[0] == crumple.NormalFrom.APART and rows.type[0] == crumple.VertexFaceType.P_T
     assert rows.rows("vertex_face") == slice(0, 1) and rows.rows("edge_edge") == slice(1, 1)
     assert rows.vectors(START).tolist() == [[0, 0, 0.25]]
     assert rows.scatter([[0, 0, 4]], 6)[:, 2].tolist() == [-2, -1, -1, 4, 0, 0]
-    for one, other in zip(pickle.loads(pickle.dumps(rows)), rows):
-        np.testing.assert_array_equal(one, other, strict=True)
-    unpickled = crumple.stencils((START, FACES), pickle.loads(pickle.dumps(near)))
-    for one, other in zip(unpickled, rows):
-        np.testing.assert_array_equal(one, other, strict=True)
+    for same in (pickle.loads(pickle.dumps(rows)), crumple.stencils((START, FACES), pickle.loads(pickle.dumps(near)))):
+        for (_, one), (_, other) in zip(arrays_of(same), arrays_of(rows)):
+            np.testing.assert_array_equal(one, other, strict=True)
 
 
 def test_selected_rows_keep_their_kinds(detector):
@@ -92,11 +97,29 @@ def test_selected_rows_keep_their_kinds(detector):
         rows = crumple.stencils(mesh, near, reduced=reduced)
         mask = rows.distance < RADIUS / 2
         selected = rows.select(mask)
-        assert 0 < len(selected.distance) < len(rows.distance)
+        assert 0 < len(selected) < len(rows)
         for kind in ("vertex_face", "edge_edge", "vertex_edge", "vertex_vertex"):
             part = rows.rows(kind)
             np.testing.assert_array_equal(selected.vertices[selected.rows(kind)], rows.vertices[part][mask[part]])
         np.testing.assert_array_equal(selected.multiplicity, rows.multiplicity[mask] if reduced else [])
+
+
+def test_arrays_of_wrong_sizes_are_refused():
+    """Made by hand: two rows, of which the second one has the vertex 8."""
+    arrays = {"vertices": np.array([[0, 1, 2, 3], [4, 8, 8, 8]], np.int32), "weights": np.array([[1.0, -1, 0, 0]] * 2)}
+    names = [field.name for field in fields(crumple.Stencils)][2:]
+    zeros = {name: np.zeros((2, 3)) if name == "normals" else np.zeros(2) for name in names}
+    rows = crumple.Stencils(**arrays, **zeros | {"first": np.array([0, 1, 1, 1, 2])})
+    assert len(rows) == 2 and len(rows.select([False, True])) == 1
+    assert rows.scatter(np.ones((2, 3)), 9)[8].tolist() == [-1, -1, -1] and rows.vectors(np.eye(9, 3)).shape == (2, 3)
+    for call, message in (
+        (lambda: rows.scatter(np.ones((2, 3)), 8), "vertices must be above the largest index, 8, not 8"),
+        (lambda: rows.scatter(np.ones((1, 3)), 9), r"vectors must have shape \(2, 3\), not \(1, 3\)"),
+        (lambda: rows.vectors(np.ones((8, 3))), "the number of rows of x must be above the largest index, 8, not 8"),
+        (lambda: rows.vectors(np.ones(9)), r"x must have shape \(vertices, 3\), not \(9,\)"),
+    ):
+        with pytest.raises(crumple.InvalidInput, match=message):
+            call()
 
 
 def test_impacts_have_normals_on_the_side_before(either):
@@ -150,7 +173,10 @@ def test_errors_name_the_argument(detector):
     with pytest.raises(crumple.InvalidInput, match="the list that stencils read was not requested"):
         crumple.stencils(mesh, found)
     impacts = detector.impacts(START, START - [0, 0, 1], FACES)
-    with pytest.raises(crumple.InvalidInput, match="stencils of impacts need the positions at the end of the step"):
+    with pytest.raises(
+        crumple.InvalidInput,
+        match=r"positions at the end of the step: pass the scene of the query, such as Mesh\(start, faces\)",
+    ):
         crumple.stencils(mesh, impacts)
     (part,) = detector.partition(crumple.Mesh(*mesh), crumple.ProximityQuery(radius=0.5), count=1)
     with pytest.raises(crumple.InvalidInput, match="the scene of this result is a part"):

@@ -47,7 +47,10 @@ StencilScene::StencilScene(const Scene& scene, const StencilOptions& options, bo
         world = {shapes_, bodies_, {}};
     }
     outline_.read(world, {});
-    if (needs_end && !outline_.moving()) refuse("stencils of impacts need the positions at the end of the step");
+    if (needs_end && !outline_.moving())
+        refuse(
+            "stencils of impacts need the positions at the end of the step: pass the scene of the query, such as "
+            "Mesh(start, faces).moving_to(end)");
     first_vertex_.push_back(0);
     for (std::int32_t b = 0; b < bodies(); ++b) first_vertex_.push_back(first_vertex_.back() + vertices(b));
     if (first_vertex_.back() > std::int64_t{1} << 31)

@@ -448,7 +448,8 @@ TEST(Stencils, results_of_other_scenes_and_wrong_options_are_errors) {
     EXPECT_EQ(message(mesh, {.parallel = -1}), "parallel must be finite and 0 or more");
     EXPECT_NE(message(mesh, {.threads = -1}).find("threads"), std::string::npos);
     EXPECT_EQ(test::error_of([&] { stencils(mesh, impacts(mesh, x)); }).what(),
-              std::string("stencils of impacts need the positions at the end of the step"));
+              std::string("stencils of impacts need the positions at the end of the step: pass the scene of the query, "
+                          "such as Mesh(start, faces).moving_to(end)"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-"""Crumple in the IPC Toolkit (pip install ipctk): broad phase, narrow phase, step sizes and normal collisions, exact.
+"""Exact broad phase, narrow phase, step sizes and normal collisions for the IPC Toolkit (pip install ipctk).
 
 Notes
 -----
@@ -470,7 +470,7 @@ def is_step_collision_free(
     return not any(impacts.hit.any() for impacts in _impacts(candidates, mesh, vertices_t0, vertices_t1, options))
 
 
-#: Share of the mollifier's threshold: ipctk mollifies two edges e and f if |e x f|**2 < 1e-3 |e'|**2 |f'|**2.
+#: Factor in the mollifier's threshold: ipctk mollifies two edges e and f if |e x f|**2 < 1e-3 |e'|**2 |f'|**2.
 _PARALLEL = 1e-3
 
 
@@ -514,7 +514,7 @@ def normal_collisions(
     -----
     Distances and types are decided exactly. For collision sets of the other types (IMPROVED_MAX_APPROX, OGC), call
     `build` of ipctk with a BroadPhase of this module. Cost: that of Detector.proximities and stencils, plus some
-    microseconds for each object of ipctk, which is more than ipctk's own build takes.
+    microseconds for each object of ipctk; in total as long as ipctk's own `build` or up to 2.3 times as long.
     """
     if mesh.dim != 3:
         raise InvalidInput(f"normal_collisions needs a mesh in 3 dimensions, not {mesh.dim}")
@@ -524,7 +524,7 @@ def normal_collisions(
     rows = stencils(scene, near, rest=mesh.rest_positions, reduced=True, parallel=_PARALLEL)
 
     weights = _weights_of_pairs(mesh, near, area_weighting)
-    weight = np.bincount(rows.row_of_pair, weights, len(rows.distance))
+    weight = np.bincount(rows.row_of_pair, weights, len(rows))
     source = np.empty(len(weight), np.int64)
     source[rows.row_of_pair[::-1]] = np.arange(len(weights))[::-1]  # the first pair of each row
     collisions = ipctk.NormalCollisions()
