@@ -40,6 +40,7 @@ def test_selected_pairs_are_those_in_which_mujoco_finds_contacts(filter_parents)
     pairs = selected_pairs(model)
     assert set(map(tuple, pairs.tolist())) == contact_pairs(data) and len(pairs) > 10
     assert (pairs[:, 0] < pairs[:, 1]).all()
+    assert Collisions(model, threads=1).contacts(data).geoms.tolist() == pairs.tolist()
 
 
 PRIMITIVES = """<mujoco><worldbody>
@@ -176,6 +177,12 @@ def test_invalid_positions_are_refused_and_open_meshes_have_no_normal():
     collisions = Collisions(model, threads=1)
     with pytest.raises(crumple.InvalidInput, match=r"positions must be MjData or have shape \(..., 7\), not \(2, 3\)"):
         collisions.collides(np.zeros((2, 3)))
+    positions = np.zeros((2, 7))
+    with pytest.raises(crumple.InvalidInput, match=r"contacts takes MjData or positions of shape \(7,\), not \(2, 7\)"):
+        collisions.contacts(positions)
+    positions[1, 2] = np.nan
+    with pytest.raises(crumple.InvalidInput, match="positions: configuration 1 has a value that is not finite"):
+        collisions.collides(positions)
     data.qpos[:3] = 0.5, 3, 0.5
     mujoco.mj_forward(model, data)
     contacts = collisions.contacts(data)

@@ -163,6 +163,10 @@ def arm(**options):
     return Robot(joints, meshes, limits={"slide": (0, 0.2)}, threads=2, **options)
 
 
+def limited(**limits):
+    return Robot([Joint("slide", "a", "b", "prismatic", at(0, 0, 1))], {"b": box([1, 1, 1])}, limits=limits)
+
+
 def room():
     pole = (cylinder(0.01, 3, max_error=1e-4), at(0.9, 0.9, 0.5))
     return {
@@ -182,7 +186,7 @@ def placed(robot, configuration):
 
 
 def pairs_of(robot, configuration, obstacles):
-    """Yields pairs of names that may not collide, and their two meshes."""
+    """Yields pairs of names that are tested, and their two meshes."""
     bodies, links = placed(robot, configuration), set(robot.links)
     bodies.update((name, moved(mesh, pose)) for name, (mesh, pose) in obstacles.items())
     for a, b in itertools.combinations(bodies, 2):
@@ -280,6 +284,22 @@ def test_motion_through_a_thin_pole_is_found_though_both_ends_are_free():
     assert not robot.collides_between(starts, ends)
 
 
+def test_margin_for_rounding_covers_the_farther_end_of_a_motion(monkeypatch):
+    robot, margins = limited(slide=(0, 1e6)), []
+    detector = robot.detector
+
+    def find(world, query):
+        if isinstance(query, crumple.ImpactQuery):
+            margins.append(query.min_distance - 0.002)  # the coarse distance: four times half the tolerance
+        return detector.find(world, query)
+
+    monkeypatch.setattr(robot, "detector", type("Spy", (), {"find": staticmethod(find)}))
+    obstacle = {"far": (box([1, 1, 1]), at(9, 9, 9))}
+    for starts, ends in (([[0.0]], [[1e6]]), ([[1e6]], [[0.0]])):
+        assert not robot.collides_between(starts, ends, obstacle, tolerance=1e-3)
+    assert len(margins) == 2 and min(margins) > 2.0**-40 * 1e6
+
+
 @pytest.mark.parametrize("tolerance", [0.05, 0.002])
 def test_no_collision_of_a_motion_is_missed_and_reported_ones_are_near(tolerance):
     robot, obstacles = arm(), Obstacles(room())
@@ -305,14 +325,33 @@ def test_error_names_what_is_wrong():
         ),
         (lambda: robot.collides([[0, 0, np.nan, 0]]), "configuration 0 has a value that is not finite"),
         (lambda: robot.collides(one, [1]), "obstacles must be Obstacles or a mapping, not list"),
-        (lambda: robot.collides(one, {"a": (box([1, 1, 1]), np.eye(3))}), r"obstacle 'a': its pose must be finite"),
-        (lambda: robot.collides(one, Obstacles({"a": box([1, 1, 1])}, [("hnad", "a")])), "hand"),
+        (lambda: robot.collides(one, {"a": (box([1, 1, 1]), np.eye(3))}), r"obstacle 'a': its pose must have shape"),
+        (
+            lambda: robot.collides(one, {"a": (box([1, 1, 1]), np.nan * np.eye(4))}),
+            "obstacle 'a': its pose must be finite",
+        ),
+        (lambda: robot.collides(one, {"fore": box([1, 1, 1])}), "obstacle 'fore' has the name of a link; rename it"),
+        (
+            lambda: robot.collides(one, Obstacles({"a": box([1, 1, 1])}, [("hnad", "a")])),
+            "called 'hnad'. Did you mean 'hand'",
+        ),
+        (
+            lambda: robot.collides(one, Obstacles({"a": box([1, 1, 1])}, [("fore", "b")])),
+            r"allowed pair \('b', 'fore'\): no link or obstacle is called 'b'",
+        ),
+        (lambda: arm(allowed=[("fore", "turret")]), "no link with a mesh is called 'turret'"),
         (lambda: robot.collides_between(one, np.zeros((2, 4))), "starts and ends must have the same shape"),
         (lambda: robot.collides_between(one, one, tolerance=0), "tolerance must be finite and above 0"),
         (lambda: robot.attach("hand", box([1, 1, 1]), "fore"), "'hand' is already the name of a link"),
         (lambda: robot.attach("tool", box([1, 1, 1]), "hnad"), "no link 'hnad'"),
         (lambda: robot.attach("tool", box([1, 1, 1]), "hand", 2 * np.eye(4)), "'tool': its pose is not a rotation"),
-        (lambda: robot.attach("tool", box([1, 1, 1]), "hand", touching=["fire"]), "'fire' may collide with others"),
+        (
+            lambda: robot.attach("tool", box([1, 1, 1]), "hand", np.diag([1, 1, -1, 1])),
+            "'tool': its pose is not a rotation",
+        ),
+        (lambda: robot.attach("tool", box([1, 1, 1]), "hand", touching=["fire"]), "is called 'fire'"),
+        (lambda: limited(slied=(0, 1)), "limits: no joint is called 'slied'. Did you mean 'slide'"),
+        (lambda: limited(slide=(0, np.nan)), "limits of joint 'slide' must be its lowest and its highest value"),
         (lambda: arm(allowed=[("hand", "hand")]), "must have two different names"),
         (
             lambda: Tree([Joint("a", "0", "1", "fixed", np.eye(4)), Joint("b", "2", "1", "fixed", np.eye(4))]),
@@ -320,8 +359,30 @@ def test_error_names_what_is_wrong():
         ),
         (
             lambda: Tree([Joint("a", "0", "1", "fixed", np.eye(4)), Joint("b", "2", "3", "fixed", np.eye(4))]),
-            "must be the base",
+            "links 0, 2 have no parent; connect them by joints",
         ),
+        (
+            lambda: Tree([Joint("a", "0", "1", "fixed", np.eye(4)), Joint("b", "1", "0", "fixed", np.eye(4))]),
+            "the joints form a cycle",
+        ),
+        (
+            lambda: Tree([Joint("a", "0", "1", "fixed", np.eye(4)), Joint("b", "1", "0", "fixed", np.eye(4))], "0"),
+            "link '0' cannot be the base, because it is the child of a joint",
+        ),
+        (lambda: Tree([]), "there are no joints; pass base="),
+        (
+            lambda: Tree([Joint("a", "0", "1", "fixed", np.eye(4)), Joint("a", "1", "2", "fixed", np.eye(4))]),
+            "several joints are called 'a'",
+        ),
+        (
+            lambda: Tree([Joint("x", "0", "1", "continuous", np.eye(4))]),
+            r"joint 'x': kind must be fixed, revolute \(also for continuous joints\) or prismatic, not 'continuous'",
+        ),
+        (
+            lambda: Tree([Joint("x", "0", "1", "fixed", np.eye(3))]),
+            r"joint 'x': its origin must have shape \(3, 4\) or",
+        ),
+        (lambda: Tree([Joint("x", "0", "1", "fixed", 2 * np.eye(4))]), "joint 'x': its origin is not a rotation with"),
         (lambda: Tree([Joint("a", "0", "1", "revolute", np.eye(4), (0, 0, 0))]), "its axis must be finite and not 0"),
         (lambda: Tree([Joint("a", "0", "1", "revolute", np.eye(4), follows="a")]), "mimics 'a'"),
     ):

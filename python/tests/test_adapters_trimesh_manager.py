@@ -164,7 +164,12 @@ def test_objects_can_be_replaced_moved_and_removed():
         (lambda: manager.set_transform("a", np.eye(4)), "a not in collision manager!"),
         (lambda: manager.min_distance_internal("a"), "a not in collision manager!"),
         (lambda: manager.min_distance_internal(), "no two objects"),
-        (lambda: manager.add_object("c", box([1, 1, 1]), np.eye(3)), r"transform must be \(4, 4\) or \(3, 4\)"),
+        (
+            lambda: manager.add_object("c", box([1, 1, 1]), np.eye(3)),
+            r"object 'c': its transform must have shape \(3, 4\) or \(4, 4\), not \(3, 3\)",
+        ),
+        (lambda: manager.set_transform("b", np.full((4, 4), np.nan)), "object 'b': its transform must be finite"),
+        (lambda: manager.in_collision_single(box([1, 1, 1]), np.full((3, 4), np.inf)), "its transform must be finite"),
         (lambda: manager.add_object("c", "mesh"), "a mesh must be"),
     ):
         with pytest.raises(ValueError, match=message):

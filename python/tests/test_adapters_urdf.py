@@ -117,7 +117,10 @@ def test_mesh_files_are_found(tmp_path, place):
     packages = {"tiny_description": moved} if place == "packages=" else None
     assert "left" in urdf.load(path, packages=packages).links
     if place == "packages=":
-        with pytest.raises(crumple.InvalidInput, match="link 'left': its mesh package://tiny.* is neither in"):
+        with pytest.raises(
+            crumple.InvalidInput,
+            match="link 'left': there is no mesh package://tiny.*; pass packages={'tiny_description': FOLDER}",
+        ):
             urdf.load(path)
 
 
@@ -132,7 +135,7 @@ def test_robot_may_be_a_single_link(tmp_path):
     assert robot.collides(nothing, {"b": urdf.box([1, 1, 1])}).all()
     assert robot.clearances(nothing, {"b": (urdf.box([1, 1, 1]), beside)}).tolist() == [2, 2]
     assert not robot.collides_between(nothing, nothing, {"b": (urdf.box([1, 1, 1]), beside)}).any()
-    with pytest.raises(crumple.InvalidInput, match="both called 'a'"):
+    with pytest.raises(crumple.InvalidInput, match="obstacle 'a' has the name of a link; rename it"):
         robot.collides(nothing, {"a": urdf.box([1, 1, 1])})
 
 
@@ -149,15 +152,37 @@ def test_meshes_in_collada_files_are_read(tmp_path):
     np.testing.assert_allclose(np.ptp(mesh.vertices, axis=0), [1, 2, 3], rtol=1e-6)
 
 
+@pytest.mark.parametrize("name", ["broken.dae", "broken.stl"])
+def test_meshes_that_cannot_be_read_are_named(tmp_path, name):
+    pytest.importorskip("yourdfpy")
+    (tmp_path / name).write_text("not a mesh")
+    path = write(tmp_path, ROBOT.replace('"finger.stl"', f'"{name}"'))
+    packages = ".*pip install trimesh pycollada" if name.endswith(".dae") else ""
+    with pytest.raises(crumple.InvalidInput, match=f"link 'right': its mesh .*{name}{packages}"):
+        urdf.load(path)
+
+
+def test_limits_without_a_value_are_zero(tmp_path):
+    pytest.importorskip("yourdfpy")
+    for given, expected in (('upper="0.1"', [0, 0.1]), ('lower="-0.1"', [-0.1, 0]), ("", [0, 0])):
+        robot = urdf.load(write(tmp_path, ROBOT.replace('lower="0" upper="0.1"', given)), threads=1)
+        assert robot.limits[:, 1].tolist() == expected
+
+
 def test_invalid_robots_are_refused(tmp_path):
     pytest.importorskip("yourdfpy")
-    with pytest.raises(FileNotFoundError, match="no such file"):
+    with pytest.raises(crumple.FileError, match="none.urdf: there is no such file"):
         urdf.load(tmp_path / "none.urdf")
+    with pytest.raises(crumple.FileError, match="none.srdf: there is no such file"):
+        urdf.load(write(tmp_path), tmp_path / "none.srdf")
     path = write(tmp_path, ROBOT.replace('"continuous"', '"floating"'))
     with pytest.raises(crumple.InvalidInput, match="joint 'turn': joints of the type 'floating' are not supported"):
         urdf.load(path)
     path.write_text("<robot name='x'><link name='a'/></robot>")
     with pytest.raises(crumple.InvalidInput, match="no link of the robot has a mesh"):
+        urdf.load(path)
+    path.write_text("<robot name='x'><link name='a'/><link name='b'/></robot>")
+    with pytest.raises(crumple.InvalidInput, match="no joint connects the links a, b"):
         urdf.load(path)
     path.write_text("<robot name='x'><link/></robot>")
     with pytest.raises(crumple.InvalidInput, match="is not a valid URDF file"):

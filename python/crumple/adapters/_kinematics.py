@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from .._errors import InvalidInput
+from ._batches import rigid_pose_of, slices
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = ["Joint", "Tree"]
 
+_KINDS = ("fixed", "revolute", "prismatic")
 _ROWS = 2048  # configurations whose frames are computed together, so that they stay in the cache
 
 
@@ -30,8 +32,8 @@ class Joint(NamedTuple):
         Names of the joint and of its links.
     kind : {"fixed", "revolute", "prismatic"}
         Revolute joints include continuous ones.
-    origin : (4, 4) array_like
-        Pose of the joint's frame in the frame of the parent.
+    origin : (4, 4) or (3, 4) array_like
+        Pose of the joint's frame in the frame of the parent: a rotation and a translation.
     axis : (3,) array_like
         Axis in the joint's frame, of any length but 0.
     follows : str or None
@@ -66,27 +68,38 @@ class Tree:
         Names of the joints whose values make a configuration.
     base : str
     joints : list of Joint
-        As given.
+        In the given order; origins are (4, 4) arrays.
     parents : dict of str to Joint
         Joint above each link but the base, parents before children.
 
     Raises
     ------
     InvalidInput
-        If the joints do not make a tree, or mimic joints that do not exist.
+        If the joints do not make a tree, a kind, an origin or an axis is invalid, two joints have the same name, or a
+        joint mimics one that does not exist.
     """
 
     def __init__(self, joints: Sequence[Joint], base: str | None = None) -> None:
-        self.joints = list(joints)
+        self.joints = joints = [_checked(joint) for joint in joints]
+        names = [joint.name for joint in joints]
+        repeated = {name for name in names if names.count(name) > 1}
+        if repeated:
+            raise InvalidInput(f"several joints are called {min(repeated)!r}")
         children = [joint.child for joint in joints]
         twice = {child for child in children if children.count(child) > 1}
         if twice:
             raise InvalidInput(f"link {min(twice)!r} is the child of several joints; a robot must be a tree")
         if base is None:
             roots = {joint.parent for joint in joints} - set(children)
-            if len(roots) != 1:
-                raise InvalidInput(f"one link must be the base of all others, but {sorted(roots)} have no parents")
+            if not joints:
+                raise InvalidInput("there are no joints; pass base=")
+            if not roots:
+                raise InvalidInput("the joints form a cycle; a robot must be a tree")
+            if len(roots) > 1:
+                raise InvalidInput(f"links {', '.join(sorted(roots))} have no parent; connect them by joints")
             (base,) = roots
+        if base in children:
+            raise InvalidInput(f"link {base!r} cannot be the base, because it is the child of a joint")
         self.base = base
         self.parents: dict[str, Joint] = {}
         waiting = list(joints)
@@ -112,8 +125,7 @@ class Tree:
         Cost: some 0.1 microseconds for each link and configuration, on one thread.
         """
         made = np.empty((len(configurations), len(links), 3, 4))
-        for begin in range(0, len(configurations), _ROWS):
-            rows = slice(begin, begin + _ROWS)
+        for rows in slices(len(configurations), _ROWS):
             for i, frame in enumerate(self._frames(configurations[rows], links)):
                 made[rows, i] = np.moveaxis(frame, 2, 0)
         return made
@@ -149,7 +161,7 @@ class Tree:
         for link, reach in zip(links, radii):
             while link != self.base:
                 joint = self.parents[link]
-                reach += float(np.linalg.norm(np.asarray(joint.origin)[:3, 3]))
+                reach += float(np.linalg.norm(joint.origin[:3, 3]))
                 link = joint.parent
             most = max(most, reach)
         return most
@@ -184,17 +196,25 @@ class Tree:
                     chain.append((joint, 1.0))
                     ends_of_slide = [np.abs(self.value(joint, q)) for q in (starts, ends)]
                     reach = reach + np.maximum(*ends_of_slide)
-                elif joint.kind == "revolute":
+                elif joint.kind != "fixed":
                     chain.append((joint, reach))
-                reach = reach + np.linalg.norm(np.asarray(joint.origin)[:3, 3])
+                reach = reach + np.linalg.norm(joint.origin[:3, 3])
                 link = joint.parent
             above: Any = 0.0
             for joint, distance in reversed(chain):
                 rate = np.abs(self.value(joint, ends) - self.value(joint, starts))
-                own = rate if joint.kind == "revolute" else 0.0
+                own = 0.0 if joint.kind == "prismatic" else rate
                 made[:, i] += distance * rate * (2 * above + own)
                 above = above + own
         return made
+
+
+def _checked(joint: Joint) -> Joint:
+    """Returns a joint with its origin as a (4, 4) array. Raises InvalidInput if its kind or its origin is invalid."""
+    if joint.kind not in _KINDS:
+        kinds = "fixed, revolute (also for continuous joints) or prismatic"
+        raise InvalidInput(f"joint {joint.name!r}: kind must be {kinds}, not {joint.kind!r}")
+    return joint._replace(origin=rigid_pose_of(joint.origin, f"joint {joint.name!r}", "origin"))
 
 
 def _value(joint: Joint, moving: dict[str, Joint], variables: list[str]) -> tuple[int, float, float]:

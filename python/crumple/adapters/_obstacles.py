@@ -1,20 +1,18 @@
-"""Obstacles of a robot, and checks of meshes, poses and allowed pairs that robots share with them."""
+"""Obstacles of a robot, and checks of meshes and allowed pairs that robots share with them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .._arrays import host_array
 from .._errors import InvalidInput
 from .._mesh import Mesh, Shape, as_mesh, constant_shape, is_mesh
+from ._batches import pose_of
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-__all__ = ["Obstacles", "allowed_pairs", "copied_shape", "pose_of"]
+__all__ = ["Obstacles", "allowed_pairs", "copied_shape"]
 
 
 class Obstacles:
@@ -26,7 +24,7 @@ class Obstacles:
         Bodies by name. A mesh is anything that as_mesh takes; a pose, (3, 4) or (4, 4), maps it to the frame of the
         robot's base. Meshes are copied.
     allowed : iterable of (str, str)
-        Pairs of a link and an obstacle that may collide.
+        Pairs of a link and an obstacle that are not tested.
 
     Attributes
     ----------
@@ -76,11 +74,3 @@ def copied_shape(mesh: Mesh, which: str) -> Shape:
     """Returns a shape with a private name and a copy of the mesh in float64. `which` is the prefix of messages."""
     vertices = np.array(host_array(mesh.vertices, which + "vertices"), np.float64)
     return constant_shape(Mesh(vertices, np.array(host_array(mesh.faces, which + "faces")).reshape(-1, 3)), which)
-
-
-def pose_of(pose: Any, which: str) -> NDArray[np.float64]:
-    """Returns a pose as (3, 4). Raises InvalidInput, beginning with `which`, if it is invalid."""
-    array = np.asarray(pose, np.float64)
-    if array.shape not in ((3, 4), (4, 4)) or not np.isfinite(array).all():
-        raise InvalidInput(f"{which}: its pose must be finite and have shape (3, 4) or (4, 4), not {array.shape}")
-    return array[:3]

@@ -6,22 +6,21 @@ each.
 
 from __future__ import annotations
 
-import itertools
-import math
+import copy
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from .._arrays import host_array
 from .._detector import Detector
 from .._errors import InvalidInput, InvalidType
 from .._mesh import Mesh, Shape, as_mesh
 from .._queries import DistanceQuery, ImpactQuery, IntersectionQuery, PairFilter
 from .._world import World
+from ._batches import excluded_groups, finite_rows, rigid_pose_of, slices, suggestion
 from ._kinematics import Joint, Tree
-from ._obstacles import Obstacles, allowed_pairs, copied_shape, pose_of
+from ._obstacles import Obstacles, allowed_pairs, copied_shape
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,13 +49,13 @@ class LinkPairs(NamedTuple):
     names: tuple[str, ...]
 
     def of(self, configuration: int) -> list[tuple[str, str]]:
-        """Returns the names of the pairs that collide in a configuration."""
+        """Returns the names of the pairs that collide in a configuration, given its index."""
         first, last = np.searchsorted(self.configurations, [configuration, configuration + 1])
         return [(self.names[a], self.names[b]) for a, b in self.bodies[first:last].tolist()]
 
 
 class Robot:
-    """Robot: a tree of joints, and a mesh for each link that can collide. `urdf.load` makes one from files.
+    """Tree of joints, with a mesh for each link that can collide. `urdf.load` makes one from files.
 
     Parameters
     ----------
@@ -65,15 +64,15 @@ class Robot:
     meshes : mapping of str to mesh
         Mesh of each link that can collide, in the link's frame. Copied.
     allowed : iterable of (str, str)
-        Pairs of links that may collide (allowed collision matrix), in addition to adjacent ones.
+        Pairs of links that are not tested (allowed collision matrix), in addition to adjacent ones.
     limits : mapping of str to (float, float)
-        Lowest and highest value of joints; joints without an entry have none.
+        Lowest and highest values of joints, by name. Joints without an entry have no limits.
     solid : bool, default True
         True: a closed body inside another one collides with it; False: only surfaces collide.
     tessellation_error : float, default 0
-        Attribute of this name.
+        Value of the attribute `tessellation_error`, for meshes that replace round primitives.
     base : str, optional
-        Link whose frame is that of obstacles; None: the link that is no child of a joint.
+        Link whose frame is that of poses and obstacles; None: the link that is not the child of a joint.
     **options
         Options of crumple.Detector.
 
@@ -84,13 +83,12 @@ class Robot:
     links : tuple of str
         Names of the links with a mesh, then of attached objects.
     allowed : frozenset of frozenset of str
-        Pairs that may collide, adjacent ones included. Links are adjacent if a joint connects them, or a chain of
-        joints between links without meshes.
+        Allowed pairs, which are not tested; adjacent links included. Links are adjacent if a joint connects them, or a
+        chain of joints between links without meshes.
     limits : (2, variables) ndarray of float64
         Lowest and highest values; infinite for joints without limits.
     tessellation_error : float
-        Upper bound on the distance of any point of a mesh from the primitive that the mesh replaces; 0 if it has no
-        round ones.
+        Upper bound on how far meshes extend beyond the round primitives that they replace; 0 without such primitives.
     detector : Detector
 
     Raises
@@ -125,9 +123,7 @@ class Robot:
             raise InvalidInput(f"{unknown[0]!r} has a mesh but is no link of the robot")
         if not meshes:
             raise InvalidInput("no link of the robot has a mesh, so it cannot collide")
-        given = limits or {}
-        bounds = [given.get(name, (-np.inf, np.inf)) for name in tree.variables]
-        self.limits = np.array(bounds, np.float64).reshape(-1, 2).T
+        self.limits = _limits(tree, limits or {})
         self.solid, self.tessellation_error = solid, tessellation_error
         self.detector = Detector(**options)
         copies = {link: as_mesh(mesh) for link, mesh in meshes.items()}
@@ -136,10 +132,7 @@ class Robot:
         self._set(tree, shapes, radii, _adjacent(tree, meshes) | allowed_pairs(allowed))
 
     def _set(self, tree: Tree, shapes: dict[str, Shape], radii: dict[str, float], allowed: frozenset[Any]) -> None:
-        for pair in allowed:
-            for name in pair:
-                if name not in shapes:
-                    raise InvalidInput(f"{name!r} may collide with others, but is no link with a mesh: {list(shapes)}")
+        _check_names(allowed, shapes, "no link with a mesh")
         self._tree, self._shapes, self._radii, self.allowed = tree, shapes, radii, allowed
         self.variables, self.links = tuple(tree.variables), tuple(shapes)
         self._worlds: WeakKeyDictionary[Obstacles, tuple[World, PairFilter]] = WeakKeyDictionary()
@@ -155,11 +148,11 @@ class Robot:
         mesh : mesh
             Anything that as_mesh takes. Copied.
         link : str
-            Link to which the object is fixed, and with which it may collide.
+            Link to which the object is fixed. The two are an allowed pair.
         pose : (3, 4) or (4, 4) array_like, optional
             Rotation and translation of the object in the frame of the link; None: identity.
         touching : iterable of str
-            Other links with which the object may collide, such as fingers.
+            Other links that make allowed pairs with the object, such as fingers.
 
         Returns
         -------
@@ -175,16 +168,12 @@ class Robot:
             raise InvalidInput(f"{name!r} is already the name of a link")
         if link not in self._tree.parents and link != self._tree.base:
             raise InvalidInput(f"the robot has no link {link!r}")
-        origin = np.eye(4)
-        origin[:3] = pose_of(np.eye(3, 4) if pose is None else pose, f"attached object {name!r}")
-        if np.abs(origin[:3, :3] @ origin[:3, :3].T - np.eye(3)).max() > 1e-9:
-            raise InvalidInput(f"attached object {name!r}: its pose is not a rotation with a translation")
+        origin = rigid_pose_of(np.eye(4) if pose is None else pose, f"attached object {name!r}")
         joint = Joint(f"{name} is attached", link, name, "fixed", origin)
         tree, mesh = Tree([*self._tree.joints, joint], self._tree.base), as_mesh(mesh)
         shapes = {**self._shapes, name: copied_shape(mesh, f"attached object {name!r}: ")}
         allowed = self.allowed | _adjacent(tree, shapes) | allowed_pairs((name, other) for other in touching)
-        made = Robot.__new__(Robot)
-        made.__dict__.update(self.__dict__)
+        made = copy.copy(self)
         made._set(tree, shapes, {**self._radii, name: _radius(mesh)}, allowed)
         return made
 
@@ -229,7 +218,7 @@ class Robot:
         world : World
             Link l of configuration c is body c * links + l. Obstacles are in all worlds, and come last.
         filter : PairFilter
-            Selects the pairs that may not collide.
+            Selects the tested pairs: all but the allowed ones, and those of two obstacles.
         """
         rows, _ = self._rows(configurations, "configurations")
         world, allowed = self._world(obstacles)
@@ -294,7 +283,7 @@ class Robot:
         )
 
     def clearances(self, configurations: Any, obstacles: Any = None, *, radius: float = np.inf) -> NDArray[np.float64]:
-        """Returns the least distance of any two bodies that may not collide.
+        """Returns the least distance of any tested pair of bodies.
 
         Parameters
         ----------
@@ -348,8 +337,8 @@ class Robot:
         Returns
         -------
         (...) ndarray of bool
-            False: nothing collides at any time of the motion, up to the rounding of poses. True: the robot collides, or
-            two bodies that may not collide come closer than `tolerance`.
+            False: no tested pair collides at any time of the motion, up to the rounding of poses. True: a tested pair
+            collides, or comes closer than `tolerance`.
 
         Raises
         ------
@@ -399,13 +388,12 @@ class Robot:
     ) -> NDArray[np.bool_]:
         """Returns whether bodies come within a distance in pieces of motions, in which vertices move straight."""
         parts, size = [np.empty(0, bool)], max(self._radii.values(), default=0.0)
-        for begin in range(0, len(edge), _WORLDS):
-            of = edge[begin : begin + _WORLDS]
+        for rows in slices(len(edge), _WORLDS):
+            of = edge[rows]
             step = (last - first)[of]
-            poses = [
-                self._tree.poses(first[of] + t[begin : begin + _WORLDS, None] * step, self.links) for t in (low, high)
-            ]
-            rounding = 2.0**-40 * (size + np.abs(poses[0][..., 3]).max() + distance)  # of poses and of the distance
+            poses = [self._tree.poses(first[of] + t[rows, None] * step, self.links) for t in (low, high)]
+            farthest = max(np.abs(ends[..., 3]).max() for ends in poses)
+            rounding = 2.0**-40 * (size + farthest + distance)  # of poses and of the distance
             query = ImpactQuery(output="any_by_world", min_distance=distance + rounding, filter=allowed)
             parts.append(self.detector.find(world.configurations(*poses), query).world_hit.copy())
         return np.concatenate(parts)
@@ -419,21 +407,13 @@ class Robot:
         return IntersectionQuery(output=output, filter=allowed, containment=self.solid, open="skip")
 
     def _configurations(self, rows: NDArray[np.float64], world: World) -> Iterator[tuple[int, World]]:
-        for begin in range(0, len(rows), _WORLDS):
-            yield begin, world.configurations(self._tree.poses(rows[begin : begin + _WORLDS], self.links))
+        for part in slices(len(rows), _WORLDS):
+            yield part.start, world.configurations(self._tree.poses(rows[part], self.links))
 
     def _rows(self, configurations: Any, name: str) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-        given = host_array(configurations, name)
-        if given.ndim < 1 or given.shape[-1] != len(self.variables):
-            names = ", ".join(self.variables)
-            raise InvalidInput(
-                f"{name} must have shape (..., {len(self.variables)}), one value for each of {names}, not {given.shape}"
-            )
-        rows = np.ascontiguousarray(given, np.float64).reshape(math.prod(given.shape[:-1]), given.shape[-1])
-        odd = np.flatnonzero(~np.isfinite(rows).all(axis=1))
-        if len(odd):
-            raise InvalidInput(f"{name}: configuration {odd[0]} has a value that is not finite")
-        return rows, given.shape[:-1]
+        columns = len(self.variables)
+        of = f", one value for each of {', '.join(self.variables)}" if columns else ""
+        return finite_rows(configurations, name, columns, f"have shape (..., {columns}){of}")
 
     def _world(self, obstacles: Any) -> tuple[World, PairFilter]:
         """Returns the world of one configuration with obstacles, and the pairs to test in it."""
@@ -449,12 +429,14 @@ class Robot:
         return made
 
     def _make_world(self, obstacles: Obstacles, shape: Callable[[Shape], Shape]) -> tuple[World, PairFilter]:
-        # Each link is a group, and so is each obstacle with allowed pairs; all other obstacles are one group. Groups of
-        # a filter are not repeated for each configuration, as excluded bodies are.
+        # Each link is a group, and so is each obstacle with allowed pairs; all other obstacles are one group.
+        taken = [name for name in obstacles.names if name in self._shapes]
+        if taken:
+            raise InvalidInput(f"obstacle {taken[0]!r} has the name of a link; rename it")
+        _check_names(obstacles.allowed, self.links + obstacles.names, "no link or obstacle")
         special = [name for name in obstacles.names if any(name in pair for pair in obstacles.allowed)]
         group = {name: i for i, name in enumerate((*self.links, *special))}
         common, links = len(group), len(self.links)
-        static = [*range(links, common), common]
         world = World(
             [*self._shapes.values(), *map(shape, obstacles.shapes)],
             poses=np.concatenate([np.tile(np.eye(3, 4), (links, 1, 1)), obstacles.poses]),
@@ -462,11 +444,12 @@ class Robot:
             worlds=[0] * links + [-1] * len(obstacles),
             names=self.links + obstacles.names,
         )
-        for name in {name for pair in obstacles.allowed for name in pair}:
-            world.index(name)  # raises an error that suggests a similar name
-        pairs: list[Any] = [sorted(group[name] for name in pair) for pair in self.allowed | obstacles.allowed]
-        pairs += itertools.combinations_with_replacement(static, 2)
-        return world, PairFilter(excluded_groups=np.array(sorted(map(tuple, pairs)), np.int32))
+        tested = np.ones((common + 1, common + 1), bool)
+        tested[links:, links:] = False  # pairs of obstacles
+        for pair in self.allowed | obstacles.allowed:
+            a, b = (group[name] for name in pair)
+            tested[a, b] = tested[b, a] = False
+        return world, PairFilter(excluded_groups=excluded_groups(tested))
 
 
 def _cut(edge: NDArray[Any], count: NDArray[np.int64]) -> tuple[Any, Any, Any]:
@@ -474,6 +457,28 @@ def _cut(edge: NDArray[Any], count: NDArray[np.int64]) -> tuple[Any, Any, Any]:
     repeated = np.repeat(count, count)
     place = np.arange(len(repeated)) - np.repeat(np.cumsum(count) - count, count)
     return np.repeat(edge, count), place / repeated, (place + 1) / repeated
+
+
+def _limits(tree: Tree, given: Mapping[str, tuple[float, float]]) -> NDArray[np.float64]:
+    """Returns the lowest and highest values of the variables, (2, variables), from limits of joints by name."""
+    names = [joint.name for joint in tree.joints]
+    for name, bounds in given.items():
+        if name not in names:
+            raise InvalidInput(f"limits: no joint is called {name!r}{suggestion(name, names)}")
+        if np.shape(bounds) != (2,) or np.isnan(bounds).any():
+            raise InvalidInput(f"limits of joint {name!r} must be its lowest and its highest value, not {bounds}")
+    bounds_of = [given.get(name, (-np.inf, np.inf)) for name in tree.variables]
+    return np.array(bounds_of, np.float64).reshape(-1, 2).T
+
+
+def _check_names(allowed: frozenset[frozenset[str]], names: Iterable[str], nothing: str) -> None:
+    """Raises InvalidInput if an allowed pair has a name that is not among `names`: `nothing` is called so."""
+    known = set(names)
+    for pair in allowed:
+        for name in pair:
+            if name not in known:
+                both = tuple(sorted(pair))
+                raise InvalidInput(f"allowed pair {both}: {nothing} is called {name!r}{suggestion(name, known)}")
 
 
 def _adjacent(tree: Tree, meshes: Mapping[str, Any]) -> frozenset[frozenset[str]]:

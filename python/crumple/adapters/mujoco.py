@@ -14,18 +14,17 @@ Examples
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import host_array
 from .._detector import Detector
 from .._errors import InvalidInput
 from .._mesh import Mesh, Shape, constant_shape
 from .._queries import IntersectionQuery, OverlapQuery, PairFilter
 from .._world import World
+from ._batches import excluded_groups, finite_rows, slices
 from ._primitives import box, capsule, cylinder, ellipsoid, sphere
 
 if TYPE_CHECKING:
@@ -44,10 +43,12 @@ class Contacts(NamedTuple):
     geoms : (k, 2) ndarray of int32
         Ids of both geoms, the lower one first, in ascending order.
     normal : (k, 3) ndarray of float64
-        Contact normal from the first geom to the second: the direction of the area vector of the overlap. NaN for
-        pairs that only touch, of which one geom is inside the other, or of which one is a mesh that is not closed.
+        Contact normal, pointing from the geom with the smaller id to the other one: the direction of the area vector of
+        the overlap. NaN for pairs that only touch, of which one geom is inside the other, or of which one is a mesh
+        that is not closed.
     depth : (k,) ndarray of float64
-        Mean depth: volume of the overlap over the length of its area vector; NaN where the normal is.
+        Mean depth: volume of the overlap over the length of its area vector, at most the greatest depth; NaN where the
+        normal is.
     position : (k, 3) ndarray of float64
         Centroid of the overlap; NaN if its volume is 0 or not defined.
     volume : (k,) ndarray of float64
@@ -106,15 +107,17 @@ class Collisions:
         order = np.argsort(fixed, kind="stable")
         self.geoms, self._planes, self._moving = used[order], self._planes[order], int((~fixed).sum())
         self.detector, self.tessellation_error = Detector(**options), 0.0
-        shapes: dict[Any, Shape] = {}
+        shapes: dict[Any, tuple[int, Shape]] = {}
         of = [self._shape(geom, shapes, max_tessellation_error) for geom in self.geoms.tolist()]
+        groups, tested = _groups(self.geoms, selected)
         self._world = World(
-            list(shapes.values()),
+            [shape for _, shape in shapes.values()],
             np.array(of, np.int32),
             poses=np.tile(np.eye(3, 4), (len(of), 1, 1)),
+            groups=groups,
             worlds=[0] * self._moving + [-1] * (len(of) - self._moving),
         )
-        self._filter = PairFilter(excluded_bodies=self._excluded(selected))
+        self._filter = PairFilter(excluded_groups=excluded_groups(tested))
 
     def poses(self, positions: Any) -> NDArray[np.float64]:
         """Returns the poses of `geoms`; those of planes also scale the box that takes the place of the plane.
@@ -158,7 +161,7 @@ class Collisions:
             parts = [self.poses(positions)[None]]
         else:
             joints, leading = self._rows(positions)
-            parts = map(self._kinematics, _parts(joints))
+            parts = (self._kinematics(joints[rows]) for rows in slices(len(joints), _WORLDS))
         if not len(self.geoms):
             return np.zeros(leading, bool)
         found = [self.detector.find(self._many(poses), query).world_hit.copy() for poses in parts]
@@ -183,10 +186,13 @@ class Collisions:
 
         Notes
         -----
-        MuJoCo's `dist` is minus the depth by which convex shapes must be moved; the mean depth here is smaller. A geom
+        MuJoCo's `dist` is minus the depth of the deepest point; the mean depth is at most the greatest depth. A geom
         that is wholly inside another one, or below a plane, has a volume but no normal. Cost: that of an OverlapQuery.
         """
-        world = self._world.at(self.poses(data))
+        poses = self.poses(data)
+        if poses.ndim != 3:
+            raise InvalidInput(f"contacts takes MjData or positions of shape ({self._model.nq},), not {np.shape(data)}")
+        world = self._world.at(poses)
         found = self.detector.find(world, OverlapQuery(open="curves", filter=self._filter))
         geoms = self.geoms[found.bodies]
         swapped = geoms[:, 0] > geoms[:, 1]
@@ -200,11 +206,8 @@ class Collisions:
         return static.configurations(np.ascontiguousarray(poses[:, : self._moving]))
 
     def _rows(self, positions: Any) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-        given = host_array(positions, "positions")
-        if given.ndim < 1 or given.shape[-1] != self._model.nq:
-            raise InvalidInput(f"positions must be MjData or have shape (..., {self._model.nq}), not {given.shape}")
-        rows = np.ascontiguousarray(given, np.float64).reshape(math.prod(given.shape[:-1]), given.shape[-1])
-        return rows, given.shape[:-1]
+        columns = int(self._model.nq)
+        return finite_rows(positions, "positions", columns, f"be MjData or have shape (..., {columns})")
 
     def _kinematics(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         mujoco, data = _mujoco(), self._data
@@ -231,7 +234,7 @@ class Collisions:
                 poses[:, i, :, :3] *= 2 * (apart + radii).max(axis=1)[:, None, None]
         return poses
 
-    def _shape(self, geom: int, shapes: dict[Any, Shape], max_error: float) -> int:
+    def _shape(self, geom: int, shapes: dict[Any, tuple[int, Shape]], max_error: float) -> int:
         """Returns the index of the shape of a geom. Geoms that use the same mesh share a shape."""
         model, data = self._model, int(self._model.geom_dataid[geom])
         kind = _mujoco().mjtGeom(int(model.geom_type[geom])).name.removeprefix("mjGEOM_")
@@ -240,19 +243,10 @@ class Collisions:
             mesh = _mesh(model, kind, data, model.geom_size[geom], max_error)
             if mesh is None:
                 raise InvalidInput(f"geom {geom} ({model.geom(geom).name!r}) is a {kind}, which has no mesh")
-            shapes[key] = constant_shape(Mesh(np.array(mesh.vertices), np.array(mesh.faces)), f"geom {geom}: ")
+            shape = constant_shape(Mesh(np.array(mesh.vertices), np.array(mesh.faces)), f"geom {geom}: ")
+            shapes[key] = len(shapes), shape
             self.tessellation_error = max(self.tessellation_error, getattr(mesh, "tessellation_error", 0.0))
-        return list(shapes).index(key)
-
-    def _excluded(self, selected: NDArray[np.int32]) -> NDArray[np.int32]:
-        count = len(self.geoms)
-        place = np.full(self._model.ngeom, -1)
-        place[self.geoms] = np.arange(count)
-        kept = np.zeros((count, count), bool)
-        kept[tuple(place[selected].T)] = True
-        first, second = np.triu_indices(count, 1)
-        left_out = ~(kept | kept.T)[first, second]
-        return np.column_stack([first, second])[left_out].astype(np.int32)
+        return shapes[key][0]
 
 
 def selected_pairs(model: Any) -> NDArray[np.int32]:
@@ -292,9 +286,21 @@ def _mujoco() -> Any:
     return mujoco
 
 
-def _parts(rows: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
-    for begin in range(0, len(rows), _WORLDS):
-        yield rows[begin : begin + _WORLDS]
+def _groups(geoms: NDArray[np.int32], selected: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+    """Returns a group for each geom, and the pairs of groups that are tested, a symmetric matrix.
+
+    Geoms that are tested with the same others, such as those of one body, share a group. No two of them are a selected
+    pair, because no geom is tested with itself.
+    """
+    place = np.full(geoms.max(initial=-1) + 1, -1)
+    place[geoms] = np.arange(len(geoms))
+    tested = np.zeros((len(geoms), len(geoms)), bool)
+    first, second = place[selected].T
+    tested[first, second] = tested[second, first] = True
+    if not len(geoms):
+        return np.empty(0, np.int32), tested
+    _, some, groups = np.unique(tested, axis=0, return_index=True, return_inverse=True)
+    return groups.reshape(-1).astype(np.int32), tested[np.ix_(some, some)]
 
 
 def _mesh(model: Any, kind: str, data: int, size: NDArray[np.float64], max_error: float) -> Mesh | None:

@@ -204,11 +204,17 @@ def _groups(triangles: NDArray[Any], worlds: NDArray[Any]) -> tuple[NDArray[Any]
     if worlds.ndim != 1 or worlds.dtype.kind not in "iu":
         raise InvalidInput(f"worlds must be one integer for each vertex, not {worlds.shape} of {worlds.dtype}")
     if triangles.size and (triangles.min() < 0 or triangles.max() >= len(worlds)):
-        raise InvalidInput(f"worlds has {len(worlds)} entries, but triangles have other vertices")
+        odd_one = triangles.min() if triangles.min() < 0 else triangles.max()
+        raise InvalidInput(
+            f"worlds has {len(worlds)} entries, but triangles use vertex {odd_one}; pass one entry for each vertex"
+        )
     corners = worlds[triangles]
     odd = np.flatnonzero((corners != corners[:, :1]).any(axis=1))
     if len(odd):
-        raise InvalidInput(f"triangle {odd[0]} has vertices of the worlds {corners[odd[0]].tolist()}")
+        raise InvalidInput(
+            f"triangle {odd[0]} has vertices of the worlds {corners[odd[0]].tolist()}; all vertices of a triangle must "
+            "have the same world"
+        )
     different = np.unique(corners[:, 0])
     if len(different) < 2:
         return None, PairFilter()

@@ -36,6 +36,7 @@ from .._errors import InvalidInput
 from .._mesh import Mesh, Shape, as_mesh, constant_shape
 from .._queries import DistanceQuery, IntersectionQuery, OverlapQuery, PairFilter
 from .._world import World
+from ._batches import pose_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -134,7 +135,7 @@ class CollisionManager:
         InvalidInput, InvalidType
             If mesh or transform are invalid.
         """
-        pose = _pose(transform)
+        pose = _pose(transform, name)
         self._shapes[name] = constant_shape(_copy(mesh), f"object {name!r}: ")
         self._poses[name] = pose
 
@@ -146,7 +147,7 @@ class CollisionManager:
     def set_transform(self, name: Hashable, transform: Any) -> None:
         """Replaces the transform of an object. Raises InvalidInput, a ValueError, if there is none with this name."""
         self._check(name)
-        self._poses[name] = _pose(transform)
+        self._poses[name] = _pose(transform, name)
 
     def in_collision_single(
         self, mesh: Any, transform: Any = None, return_names: bool = False, return_data: bool = False
@@ -336,7 +337,7 @@ class CollisionManager:
 
     def _with_external(self, mesh: Any, transform: Any) -> tuple[World, list[Any]]:
         shapes = [*self._shapes.values(), Shape(_copy(mesh))]
-        poses = [*self._poses.values(), _pose(transform)]
+        poses = [*self._poses.values(), _pose(transform, EXTERNAL)]
         return self._made(shapes, poses, [0] * len(self._shapes) + [1]), [*self._shapes, EXTERNAL]
 
     def _made(self, shapes: list[Shape], poses: list[Any], groups: list[int]) -> World:
@@ -401,10 +402,5 @@ def _copy(mesh: Any) -> Mesh:
     return Mesh(vertices, np.array(host_array(given.faces, "faces")).reshape(-1, 3))
 
 
-def _pose(transform: Any) -> NDArray[np.float64]:
-    if transform is None:
-        return np.eye(3, 4)
-    pose = np.array(transform, np.float64)
-    if pose.shape not in ((3, 4), (4, 4)):
-        raise InvalidInput(f"transform must be (4, 4) or (3, 4), not {pose.shape}")
-    return pose[:3]
+def _pose(transform: Any, name: Hashable) -> NDArray[np.float64]:
+    return pose_of(np.eye(3, 4) if transform is None else transform, f"object {name!r}", "transform")

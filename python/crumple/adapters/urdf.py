@@ -14,6 +14,7 @@ Examples
 
 from __future__ import annotations
 
+import errno
 import os
 import pathlib
 import xml.etree.ElementTree as ElementTree
@@ -22,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._errors import Error, InvalidInput
+from .._errors import Error, FileError, InvalidInput, MemoryLimit
 from .._files import read_mesh
 from .._mesh import Mesh
 from ._kinematics import Joint
@@ -68,7 +69,7 @@ def load(
     path : str or os.PathLike
         URDF file.
     srdf : str or os.PathLike, optional
-        SRDF file, whose disabled collisions are allowed.
+        SRDF file. The pairs whose collisions it disables are not tested.
     packages : mapping of str to folder, optional
         Folders for package:// names. Others are looked for in the folder of the URDF and in those above it, with and
         without the name of the package.
@@ -77,7 +78,7 @@ def load(
         contain what they replace, so that no collision is missed. The bound that was reached is
         Robot.tessellation_error.
     allowed : iterable of (str, str)
-        Further pairs of links that may collide. Adjacent links always may.
+        Further pairs of links that are not tested. Adjacent links never are.
     solid : bool, default True
         True: a closed body inside another one collides with it; False: only surfaces collide.
     **options
@@ -92,24 +93,30 @@ def load(
     ------
     ImportError
         If yourdfpy is not installed.
-    FileError, InvalidInput
-        If a file is missing or invalid, or a joint is planar or floating. Names the link or joint.
+    FileError
+        If the URDF or the SRDF cannot be read.
+    InvalidInput
+        If a file is invalid, a mesh is missing or cannot be read, or a joint is planar or floating. Names the link or
+        joint.
+
+    Notes
+    -----
+    Meshes are PLY, OBJ, STL, OFF, glTF or 3MF. Collada files (.dae) need trimesh and pycollada.
     """
     try:
         import yourdfpy
     except ImportError as error:
         raise ImportError(f"crumple.adapters.urdf.load needs yourdfpy ({error}): pip install yourdfpy") from None
-    if not os.path.isfile(path):
-        raise FileNotFoundError(f"{os.fspath(path)}: there is no such file")
+    _check_file(path)
     try:
         model = yourdfpy.URDF.load(os.fspath(path), build_scene_graph=False, load_meshes=False).robot
     except Exception as error:  # yourdfpy raises errors of many types
         raise InvalidInput(f"{os.fspath(path)} is not a valid URDF file: {type(error).__name__}: {error}") from error
     joints = [_joint(joint) for joint in model.joints]
     limits = {
-        joint.name: (joint.limit.lower, joint.limit.upper)
+        joint.name: (joint.limit.lower or 0.0, joint.limit.upper or 0.0)  # both are optional, and 0 by default
         for joint in model.joints
-        if joint.type in ("revolute", "prismatic") and joint.limit is not None and joint.limit.upper is not None
+        if joint.type in ("revolute", "prismatic") and joint.limit is not None
     }
     folder, meshes, worst = pathlib.Path(path).resolve().parent, {}, 0.0
     for link in model.links:
@@ -118,7 +125,10 @@ def load(
             meshes[link.name] = _joined(parts)
             worst = max(worst, *(getattr(mesh, "tessellation_error", 0.0) for mesh, _ in parts))
     disabled = [] if srdf is None else [p for p in read_srdf(srdf) if p[0] in meshes and p[1] in meshes]
-    base = model.links[0].name if not joints and len(model.links) == 1 else None
+    if not joints and len(model.links) > 1:
+        names = ", ".join(link.name for link in model.links)
+        raise InvalidInput(f"{os.fspath(path)}: no joint connects the links {names}")
+    base = model.links[0].name if not joints and model.links else None
     return Robot(
         joints,
         meshes,
@@ -145,16 +155,26 @@ def read_srdf(path: str | os.PathLike[str]) -> list[tuple[str, str]]:
 
     Raises
     ------
+    FileError
+        If the file cannot be read.
     InvalidInput
         If the file is not valid XML, or an entry lacks a link.
     """
+    _check_file(path)
     try:
         root = ElementTree.parse(path).getroot()
         return [(pair.attrib["link1"], pair.attrib["link2"]) for pair in root.iter("disable_collisions")]
     except ElementTree.ParseError as error:
         raise InvalidInput(f"{os.fspath(path)} is not valid XML: {error}") from None
+    except OSError as error:
+        raise FileError(f"{os.fspath(path)}: {error.strerror}", code="file", errno=error.errno) from None
     except KeyError as error:
         raise InvalidInput(f"{os.fspath(path)}: an entry disable_collisions lacks {error}") from None
+
+
+def _check_file(path: str | os.PathLike[str]) -> None:
+    if not os.path.isfile(path):
+        raise FileError(f"{os.fspath(path)}: there is no such file", code="file", errno=errno.ENOENT)
 
 
 def _joint(joint: Any) -> Joint:
@@ -181,22 +201,28 @@ def _posed(
         return sphere(geometry.sphere.radius, max_error=max_error), pose
     if geometry.mesh is None:
         raise InvalidInput(f"link {link!r} has collision geometry that is no mesh, box, cylinder or sphere")
-    mesh = _read(_resolved(geometry.mesh.filename, folder, packages, link))
+    mesh = _read(_resolved(geometry.mesh.filename, folder, packages, link), link)
     scale = np.ones(3) * (1.0 if geometry.mesh.scale is None else geometry.mesh.scale)
     faces = np.asarray(mesh.faces)
     return Mesh(np.asarray(mesh.vertices, np.float64) * scale, faces[:, ::-1] if scale.prod() < 0 else faces), pose
 
 
-def _read(path: pathlib.Path) -> Mesh:
+def _read(path: pathlib.Path, link: str) -> Mesh:
     """Reads a mesh, by trimesh if crumple has no reader for the format, as for .dae."""
     try:
-        return read_mesh(path, weld="yes")
-    except Error:
         if path.suffix.lower() != ".dae":
-            raise
-    import trimesh
+            return read_mesh(path, weld="yes")
+    except MemoryLimit:
+        raise
+    except Error as error:
+        raise InvalidInput(f"link {link!r}: its mesh cannot be read: {error}") from error
+    try:
+        import trimesh
 
-    mesh: Any = trimesh.load(path, force="mesh")  # with merged vertices
+        mesh: Any = trimesh.load(path, force="mesh")  # with merged vertices
+    except Exception as error:  # of many types, some for packages that are missing
+        packages = "Collada files need trimesh and pycollada (pip install trimesh pycollada)"
+        raise InvalidInput(f"link {link!r}: its mesh {path} cannot be read: {error}; {packages}") from error
     return Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces))
 
 
@@ -215,7 +241,12 @@ def _resolved(name: str, folder: pathlib.Path, packages: Mapping[str, Any], link
     for place in places:
         if place.is_file():
             return place
-    raise InvalidInput(f"link {link!r}: its mesh {name} is neither in {folder} nor in a folder above it; see packages")
+    if scheme == "package" and mark:
+        known = f"{places[0]} is no file" if package in packages else f"it is neither in {folder} nor in a folder above"
+        hint = f"{known}; pass packages={{{package!r}: FOLDER}}"
+    else:
+        hint = f"it is neither in {folder} nor in a folder above"
+    raise InvalidInput(f"link {link!r}: there is no mesh {name}: {hint}")
 
 
 def _joined(parts: list[tuple[Mesh, NDArray[np.float64]]]) -> Mesh:
