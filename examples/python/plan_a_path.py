@@ -66,23 +66,24 @@ def plan(robot, start, goal, obstacles, seed=1, step=0.7, batch=48, rounds=500):
     trees = [(np.array([start]), [-1]), (np.array([goal]), [-1])]  # configurations, index of each one's parent
     for turn in range(rounds):
         nodes, parents = trees[turn % 2]
-        others, their_parents = trees[1 - turn % 2]
+        others, other_parents = trees[1 - turn % 2]
         targets = random.uniform(*robot.limits, size=(batch, len(start)))
         near = np.linalg.norm(nodes[None] - targets[:, None], axis=2).argmin(axis=1)
-        way = targets - nodes[near]
-        length = np.linalg.norm(way, axis=1, keepdims=True)
-        ends = nodes[near] + way * np.minimum(1, step / length)
+        offsets = targets - nodes[near]
+        length = np.linalg.norm(offsets, axis=1, keepdims=True)
+        ends = nodes[near] + offsets * np.minimum(1, step / length)
         free = ~robot.collides_between(nodes[near], ends, obstacles)
         first = len(nodes)
         nodes, parents = np.concatenate([nodes, ends[free]]), [*parents, *near[free].tolist()]
         trees[turn % 2] = nodes, parents
         # Connects: from each new configuration straight to the nearest one of the other tree.
         added = nodes[first:]
-        there = np.linalg.norm(others[None] - added[:, None], axis=2).argmin(axis=1)
-        met = np.flatnonzero(~robot.collides_between(added, others[there], obstacles))
-        if len(met):
-            ours, theirs = branch(nodes, parents, first + met[0]), branch(others, their_parents, there[met[0]])
-            path = np.concatenate([ours[::-1], theirs])
+        nearest = np.linalg.norm(others[None] - added[:, None], axis=2).argmin(axis=1)
+        connected = np.flatnonzero(~robot.collides_between(added, others[nearest], obstacles))
+        if len(connected):
+            new = connected[0]
+            to_root = branch(nodes, parents, first + new)
+            path = np.concatenate([to_root[::-1], branch(others, other_parents, nearest[new])])
             return path if turn % 2 == 0 else path[::-1]
     return None
 

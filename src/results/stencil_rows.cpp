@@ -30,7 +30,8 @@ constexpr std::size_t pairs_of_task = 512;
 
 /// Distance of impacts that counts as touching, relative to the largest coordinate of the vertices.
 constexpr double touching_share = 0x1p-32;
-/// Bound on the errors of positions at the time of an impact, relative to the largest coordinate (docs/nearness.md).
+/// Bound on the errors of positions at the time of an impact, relative to the largest coordinate
+/// (docs/nearness_algebra.md).
 constexpr double error_share = 0x1p-50;
 /// Bound on the error of a WeightedSum, relative to its scale.
 constexpr double sum_error = 0x1p-48;
