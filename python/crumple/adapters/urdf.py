@@ -78,7 +78,7 @@ def load(
         contain what they replace, so that no collision is missed. The bound that was reached is
         Robot.tessellation_error.
     allowed : iterable of (str, str)
-        Further pairs of links that are not tested. Adjacent links never are.
+        Further pairs of links that are not tested. Adjacent links are never tested.
     solid : bool, default True
         True: a closed body inside another one collides with it; False: only surfaces collide.
     **options
