@@ -184,6 +184,8 @@ def entry_of(column, ours, scene, quick):
             if column is ours:
                 entry.update(contestants[0].pairs())
         except Ended as reason:
+            if not contestants or reason.process is contestants[0].process.process:
+                raise  # crumple's own process
             return {"left_out": "refused" if reason.process.wait() == 1 else "crashed"}  # 1: an exception in Python
         except TimeoutError:
             return {"left_out": f"no result in {PATIENCE} s"}
@@ -202,7 +204,8 @@ def differences(entry):
         words = [f"{entry[key]:,} {word}" for key, word in (("missing", "missed"), ("extra", "invented")) if entry[key]]
         return ", ".join(words) or "exact"
     if entry["computes"] == "yes or no":
-        right = bool(entry["size"]) == bool(entry["promised"])
+        least, most = (count > 0 for count in entry["hit_triangles"])
+        right = least <= bool(entry["size"]) <= most
         return "correct" if right else "wrong"
     least, most = entry["hit_triangles"]
     return f"{entry['size']:,} triangles (exact: {least:,}, with neighbours {most:,})"

@@ -39,7 +39,7 @@ class CrumpleSelfAny(CrumpleSelf):
     question, computes, pairs = "any", "exact yes or no", None
 
     def call(self):
-        return self.detector.any(self.meshes)
+        return self.detector.any(self.meshes if len(self.meshes) > 1 else self.meshes[0])
 
     def count(self, found):
         return int(found)
