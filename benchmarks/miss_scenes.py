@@ -29,7 +29,7 @@ SELF = {  # scene: file, precision, exact result
     "soup, largest float32": ("soups/soup_huge32.ply", "float32", "soup_huge32.txt"),
     "soup, subnormal float64": ("soups/soup_tiny64.ply", "float64", "soup_tiny64.f64.txt"),
     "Funnel, frame 227": ("scalable-ccd/cloth-funnel/frames/227.ply", "float64", "cloth_funnel227.txt"),
-    "self_intersectA": ("meshes/self_intersectA_17k.obj", "float64", "self_intersectA_17k.txt"),
+    "self_intersectA": ("meshes/self_intersectA_17k.obj", "float32", "self_intersectA_17k.txt"),
     NEEDLES: ("meshes/Generic_Twin_right.obj", "float32", "Generic_Twin_right.f32.txt"),
     "dragon_100k": ("meshes/dragon_100k.ply", "float32", "dragon_100k.txt"),
     "305 bodies, frame 18": ("scalable-ccd/n-body-simulation/frames/balls16_18.ply", "float32", "balls16_18.txt"),
