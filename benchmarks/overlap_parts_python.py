@@ -5,7 +5,8 @@
 Needs crumple's Python package, libigl and trimesh (pip install libigl trimesh rtree) in one environment, and the data below
 $CRUMPLE_DATA (overlap_pairs.py). Vertices move between two states from call to call. Kinds of rows:
 
-    regions, extents, unions, withdrawal    the query with this part against the query without it
+    regions, extents, unions, withdrawal, first_free    the query with this part against the query without it; a first
+                free motion includes the withdrawal along the same direction
     depths      the query with depths of vertices, against the signed distances of libigl, which builds a tree in each
                 call, and of trimesh, from the vertices that crumple found to be inside. For trimesh, of 300 of them
 
@@ -35,6 +36,7 @@ PARTS = {
     "regions": {"regions": True},
     "unions": {"unions": True},
     "withdrawal": {"directions": [(1.0, 0.5, 0.25)]},
+    "first_free": {"directions": [(1.0, 0.5, 0.25)], "first_free": True},
 }
 CASES = ("ember016", "ember260", "armadillo_twice", "dragon_twice", "dragon_shark", "lucy_twice")
 SAMPLE = 300

@@ -7,6 +7,8 @@
 // open intervals of heights. So if bodies a and b have the inside intervals (l, h) and (l', h') in one column, their
 // insides overlap if b is lifted by any number between l − h' and h − l'.
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -16,32 +18,51 @@ namespace crumple {
 
 using FacesOfColumn = std::span<const ShearedFace* const>;
 
-/// Open interval of heights; the winding number is not 0 except at single heights.
-struct InsideInterval {
-    Rational low, high;
-    const ShearedFace *bottom, *top;  ///< faces at its ends, each one of possibly several
-};
-
 /// Open interval of the lifts of b at which the insides of a and b overlap in a column.
 struct LiftInterval {
     Rational low, high;
-    const ShearedFace *top_of_a, *bottom_of_b;  ///< faces that touch at the greatest lift
+    const ShearedFace *top_of_a, *bottom_of_b;  ///< faces that touch at the greatest lift, each one of possibly several
 };
 
-/// Returns the inside intervals at p + e · w of the body with these faces, from the lowest. `faces`: those of the body
-/// that contain the column and are not upright; others do no harm.
-std::vector<InsideInterval> insides_next_to(FacesOfColumn faces, const ShearedPlace& p, const ShearedPlace& w);
+/// Columns at a place p and next to it.
+class InsideColumns {
+   public:
+    /// `a`, `b`: the faces of both bodies whose closed projection contains p and that are not upright; they must
+    /// outlive this object. `lift`: that of b.
+    InsideColumns(const ShearedPlace& p, FacesOfColumn a, FacesOfColumn b, const Rational& lift);
 
-/// Returns the lifts for all pairs of an interval of a and one of b.
-std::vector<LiftInterval> lifts_next_to(FacesOfColumn a, FacesOfColumn b, const ShearedPlace& p, const ShearedPlace& w);
+    /// True if p lies inside the projections of all faces, so that the columns next to p cross the same faces.
+    bool is_generic() const;
 
-/// Returns a direction in each sector around p. Within a sector, no face ends and no two faces that meet at p, with b
-/// lifted by `lift`, change their order.
-std::vector<ShearedPlace> sectors_around(FacesOfColumn a, FacesOfColumn b, const Rational& lift, const ShearedPlace& p);
+    /// Returns a direction in each sector around p. Within a sector, no face ends and no two faces that meet at p
+    /// change their order.
+    std::vector<ShearedPlace> sectors() const;
+    /// True if the insides overlap at p + e · w for all small e > 0. The overlap may be infinitely short. `w`: one of
+    /// sectors().
+    bool overlap_next_to(const ShearedPlace& w) const;
+    /// Returns the lifts at which the insides overlap in the limit of p + e · w, e → 0+.
+    std::vector<LiftInterval> lifts_next_to(const ShearedPlace& w) const;
 
-/// True if the insides of a and of b, lifted by `lift`, overlap at p + e · w for all small e > 0. The overlap may be
-/// infinitely short. `w`: one of sectors_around().
-bool overlap_next_to(FacesOfColumn a, FacesOfColumn b, const Rational& lift, const ShearedPlace& p,
-                     const ShearedPlace& w);
+   private:
+    /// Face that the columns may cross, at p at this height.
+    struct Crossing {
+        const ShearedFace* face;
+        std::size_t body;
+        Rational height;          ///< with the lift of b
+        std::array<int, 3> side;  ///< of p, as ShearedFace::side()
+    };
+    /// Open interval of heights; the winding number is not 0 except at single heights.
+    struct InsideInterval {
+        Rational low, high;
+        const ShearedFace *bottom, *top;
+    };
+
+    static bool continues(const Crossing& crossing, const ShearedPlace& w);
+    std::vector<InsideInterval> insides(std::size_t body, const ShearedPlace& w) const;
+
+    ShearedPlace place_;
+    Rational lift_;
+    std::vector<Crossing> crossings_;  ///< from the lowest
+};
 
 }  // namespace crumple

@@ -117,14 +117,6 @@ ShearedFace::ShearedFace(const FaceCorners& corners, const Shear& shear, std::in
 
 int ShearedFace::position(const ShearedPlace& p) const { return std::min({side(0, p), side(1, p), side(2, p)}); }
 
-bool ShearedFace::contains_next_to(const ShearedPlace& p, const ShearedPlace& w) const {
-    for (std::size_t k = 0; k < 3; ++k) {
-        const int at = side(k, p);
-        if (at < 0 || (at == 0 && jump() * sign(cross(edge(k), w)) <= 0)) return false;
-    }
-    return true;
-}
-
 Rational ShearedFace::height(const ShearedPlace& p) const { return corner_[0].z + slope(p - place(0)); }
 
 void add_contact_places(const ShearedFace& a, const ShearedFace& b, const Rational& lift, PlaceSet& places) {

@@ -78,16 +78,14 @@ class ShearedFace {
 
     /// Position of a place relative to a face that is not upright: 1 inside, 0 on the border, −1 outside.
     int position(const ShearedPlace& p) const;
-    /// True if the places p + e · w, e → 0+, are inside the face. `w` must not be parallel to an edge through p.
-    bool contains_next_to(const ShearedPlace& p, const ShearedPlace& w) const;
+    /// Side of edge k on which a place lies: 1 if it is that of the face, 0 if the place is on the edge's line.
+    int side(std::size_t k, const ShearedPlace& p) const { return jump() * sign(cross(edge(k), p - place(k))); }
     /// Returns the height at a place in the plane of a face that is not upright.
     Rational height(const ShearedPlace& p) const;
     /// Returns how much the height changes along w.
     Rational slope(const ShearedPlace& w) const { return -(normal_.x * w.u + normal_.y * w.v) / normal_.z; }
 
    private:
-    /// Side of edge k on which p lies: 1 if it is that of the face.
-    int side(std::size_t k, const ShearedPlace& p) const { return jump() * sign(cross(edge(k), p - place(k))); }
     static int sign(const Rational& x) { return (x > 0) - (x < 0); }
 
     std::array<ShearedPoint, 3> corner_;

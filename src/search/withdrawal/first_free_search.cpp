@@ -60,7 +60,7 @@ class ShearedSurface {
     const PlacedSurface& surface() const { return surface_; }
     ProjectedTree& tree() { return tree_; }
     const ShearedFace& face(std::int32_t face);
-    /// Frees memory; invalidates references to faces.
+    /// Frees memory if many faces are cached, some megabytes; invalidates references to faces.
     void forget_faces() {
         if (faces_.size() > most_cached_faces) faces_.clear();
     }
@@ -199,14 +199,13 @@ class FirstFreeSearch {
         Rational high;
         ShearedPlace place;
     };
-    using Faces = std::vector<const ShearedFace*>;
-
     ShearedSurface& surface(std::size_t side) { return side == 0 ? a_ : b_; }
 
     void add_sample(const ShearedPlace& place);
     void add_samples(std::size_t side);
     std::optional<ShearedPlace> place_within(std::size_t side, std::int32_t face);
-    bool is_generic(const Faces& faces, const ShearedPlace& place) const;
+    /// Returns the columns at a place, at the current lift.
+    InsideColumns columns_at(const ShearedPlace& place);
     bool advance_by_samples();
 
     template <class Keep, class Visit>
@@ -218,7 +217,7 @@ class FirstFreeSearch {
     bool advance_by_contacts();
     bool advance_at(const ShearedPlace& place);
     Rational followed(const ShearedPlace& place, const ShearedPlace& w);
-    std::optional<Rational> followed(const Faces& a, const Faces& b, const ShearedPlace& place);
+    std::optional<Rational> followed_from(const ShearedPlace& place);
     bool cut_where_faces_cross(std::size_t side, const ShearedFace& face, const ShearedPlace& place,
                                PlacePolygon& polygon);
     bool advance_by_components();
@@ -243,15 +242,15 @@ void FirstFreeSearch::set_lift(const Rational& lift) {
     t_ = Rounded(shear_.parameter_of(lift));
 }
 
-bool FirstFreeSearch::is_generic(const Faces& faces, const ShearedPlace& place) const {
-    return std::all_of(faces.begin(), faces.end(), [&](const ShearedFace* f) { return f->position(place) > 0; });
+InsideColumns FirstFreeSearch::columns_at(const ShearedPlace& place) {
+    return {place, a_.faces_at(place), b_.faces_at(place), lift_};
 }
 
 // Adds the intervals of a column, unless it meets an edge.
 void FirstFreeSearch::add_sample(const ShearedPlace& place) {
-    const Faces a = a_.faces_at(place), b = b_.faces_at(place);
-    if (!is_generic(a, place) || !is_generic(b, place)) return;
-    for (const LiftInterval& lifts : lifts_next_to(a, b, place, {1, 0})) samples_.push_back(lifts);
+    const InsideColumns columns = columns_at(place);
+    if (!columns.is_generic()) return;
+    for (const LiftInterval& lifts : columns.lifts_next_to({1, 0})) samples_.push_back(lifts);
 }
 
 // Returns a place inside a face and inside no edge's projection. The places tried are on a curve that no line meets
@@ -264,8 +263,7 @@ std::optional<ShearedPlace> FirstFreeSearch::place_within(std::size_t side, std:
         const int total = 10 + 3 * k + k * k;
         const Rational x(10, total), y(3 * k, total);
         const ShearedPlace place = f.place(0) + x * (f.place(1) - f.place(0)) + y * (f.place(2) - f.place(0));
-        if (f.position(place) > 0 && is_generic(a_.faces_at(place), place) && is_generic(b_.faces_at(place), place))
-            return place;
+        if (columns_at(place).is_generic()) return place;
     }
 }
 
@@ -374,6 +372,8 @@ bool FirstFreeSearch::advance_by_contacts() {
                    const FaceCorners p = a_.surface().corners(f), q = b_.surface().corners(g);
                    if (filter_.last(p, q).upper < t_.low || filter_.first(p, q).lower > t_.high) return;
                    cancellation_.check();
+                   a_.forget_faces();
+                   b_.forget_faces();
                    add_contact_places(a_.face(f), b_.face(g), lift_, places);
                });
     for (const ShearedPlace& place : places) {
@@ -386,18 +386,17 @@ bool FirstFreeSearch::advance_by_contacts() {
 }
 
 bool FirstFreeSearch::advance_at(const ShearedPlace& place) {
-    const Faces a = a_.faces_at(place), b = b_.faces_at(place);
-    if (a.empty() || b.empty()) return false;
-    const std::vector<ShearedPlace> sectors = sectors_around(a, b, lift_, place);
-    const auto overlapping = std::find_if(
-        sectors.begin(), sectors.end(), [&](const ShearedPlace& w) { return overlap_next_to(a, b, lift_, place, w); });
+    const InsideColumns columns = columns_at(place);
+    const std::vector<ShearedPlace> sectors = columns.sectors();
+    const auto overlapping =
+        std::find_if(sectors.begin(), sectors.end(), [&](const ShearedPlace& w) { return columns.overlap_next_to(w); });
     if (overlapping == sectors.end()) return false;
     ++counts_.contacts;
     // Places of contact depend on the lift, so intervals at such places might end at ever closer lifts. The last
     // contact of two faces is one of finitely many lifts.
     Rational lift = followed(place, *overlapping);
     for (auto w = overlapping; w != sectors.end(); ++w)
-        for (const LiftInterval& lifts : lifts_next_to(a, b, place, *w))
+        for (const LiftInterval& lifts : columns.lifts_next_to(*w))
             if (lifts.low <= lift_ && lifts.high > lift) lift = lifts.high;
     set_lift(lift);
     return true;
@@ -410,15 +409,16 @@ Rational FirstFreeSearch::followed(const ShearedPlace& place, const ShearedPlace
     for (Rational e(1, 4);; e /= 16) {
         cancellation_.check();
         const ShearedPlace near = place + e * w + (e * e) * ShearedPlace{-w.v, w.u};
-        if (const std::optional<Rational> lift = followed(a_.faces_at(near), b_.faces_at(near), near)) return *lift;
+        if (const std::optional<Rational> lift = followed_from(near)) return *lift;
     }
 }
 
 // The same, from a place at which the overlap has a length. Returns nothing if there is no overlap or if the place is
 // on a line in which faces of one surface meet.
-std::optional<Rational> FirstFreeSearch::followed(const Faces& a, const Faces& b, const ShearedPlace& place) {
-    if (!is_generic(a, place) || !is_generic(b, place)) return std::nullopt;
-    for (const LiftInterval& lifts : lifts_next_to(a, b, place, {1, 0})) {
+std::optional<Rational> FirstFreeSearch::followed_from(const ShearedPlace& place) {
+    const InsideColumns columns = columns_at(place);
+    if (!columns.is_generic()) return std::nullopt;
+    for (const LiftInterval& lifts : columns.lifts_next_to({1, 0})) {
         if (lifts.low >= lift_ || lifts.high <= lift_) continue;
         PlacePolygon polygon(*lifts.top_of_a, *lifts.bottom_of_b);
         // As far as the two faces meet no other face of their surfaces, a is inside below its face, and b above its
