@@ -9,7 +9,9 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "exact/withdrawal/sheared_face.h"
@@ -34,14 +36,22 @@ class InsideColumns {
     /// True if p lies inside the projections of all faces, so that the columns next to p cross the same faces.
     bool is_generic() const;
 
-    /// Returns a direction in each sector around p. Within a sector, no face ends and no two faces that meet at p
-    /// change their order.
-    std::vector<ShearedPlace> sectors() const;
-    /// True if the insides overlap at p + e · w for all small e > 0. The overlap may be infinitely short. `w`: one of
-    /// sectors().
-    bool overlap_next_to(const ShearedPlace& w) const;
-    /// Returns the lifts at which the insides overlap in the limit of p + e · w, e → 0+.
-    std::vector<LiftInterval> lifts_next_to(const ShearedPlace& w) const;
+    /// Sector around p, in which no face ends.
+    struct Sector {
+        ShearedPlace from, to;               ///< directions of its sides, counter-clockwise; less than 180° apart
+        std::vector<std::size_t> crossings;  ///< faces that its columns cross, from the lowest at p
+
+        ShearedPlace middle() const { return from + to; }
+    };
+    /// Returns the sectors around p. Cost: O(k log k) for k faces, and the size of the result.
+    std::vector<Sector> sectors() const;
+    /// Returns a direction w in the sector such that the insides overlap at p + e · w for all small e > 0, if there is
+    /// one. The overlap may be infinitely short.
+    std::optional<ShearedPlace> overlap_in(const Sector& sector) const;
+    /// Returns the lifts at which the insides overlap in the limit of columns of a sector at p.
+    std::vector<LiftInterval> lifts_in(const Sector& sector) const;
+    /// Returns the lifts at p, if is_generic().
+    std::vector<LiftInterval> lifts() const;
 
    private:
     /// Face that the columns may cross, at p at this height.
@@ -57,8 +67,10 @@ class InsideColumns {
         const ShearedFace *bottom, *top;
     };
 
-    static bool continues(const Crossing& crossing, const ShearedPlace& w);
-    std::vector<InsideInterval> insides(std::size_t body, const ShearedPlace& w) const;
+    /// Sides of the sector of a face, counter-clockwise; equal if it is the whole plane.
+    static std::pair<ShearedPlace, ShearedPlace> sides(const Crossing& crossing);
+    bool overlap_next_to(const Sector& sector, const ShearedPlace& w) const;
+    std::vector<InsideInterval> insides(std::size_t body, const Sector& sector) const;
 
     ShearedPlace place_;
     Rational lift_;

@@ -250,7 +250,7 @@ InsideColumns FirstFreeSearch::columns_at(const ShearedPlace& place) {
 void FirstFreeSearch::add_sample(const ShearedPlace& place) {
     const InsideColumns columns = columns_at(place);
     if (!columns.is_generic()) return;
-    for (const LiftInterval& lifts : columns.lifts_next_to({1, 0})) samples_.push_back(lifts);
+    for (const LiftInterval& lifts : columns.lifts()) samples_.push_back(lifts);
 }
 
 // Returns a place inside a face and inside no edge's projection. The places tried are on a curve that no line meets
@@ -387,16 +387,17 @@ bool FirstFreeSearch::advance_by_contacts() {
 
 bool FirstFreeSearch::advance_at(const ShearedPlace& place) {
     const InsideColumns columns = columns_at(place);
-    const std::vector<ShearedPlace> sectors = columns.sectors();
-    const auto overlapping =
-        std::find_if(sectors.begin(), sectors.end(), [&](const ShearedPlace& w) { return columns.overlap_next_to(w); });
-    if (overlapping == sectors.end()) return false;
+    const std::vector<InsideColumns::Sector> sectors = columns.sectors();
+    std::optional<ShearedPlace> overlapping;
+    auto sector = sectors.begin();
+    for (; sector != sectors.end() && !overlapping; ++sector) overlapping = columns.overlap_in(*sector);
+    if (!overlapping) return false;
     ++counts_.contacts;
     // Places of contact depend on the lift, so intervals at such places might end at ever closer lifts. The last
     // contact of two faces is one of finitely many lifts.
     Rational lift = followed(place, *overlapping);
-    for (auto w = overlapping; w != sectors.end(); ++w)
-        for (const LiftInterval& lifts : columns.lifts_next_to(*w))
+    for (--sector; sector != sectors.end(); ++sector)
+        for (const LiftInterval& lifts : columns.lifts_in(*sector))
             if (lifts.low <= lift_ && lifts.high > lift) lift = lifts.high;
     set_lift(lift);
     return true;
@@ -418,7 +419,7 @@ Rational FirstFreeSearch::followed(const ShearedPlace& place, const ShearedPlace
 std::optional<Rational> FirstFreeSearch::followed_from(const ShearedPlace& place) {
     const InsideColumns columns = columns_at(place);
     if (!columns.is_generic()) return std::nullopt;
-    for (const LiftInterval& lifts : columns.lifts_next_to({1, 0})) {
+    for (const LiftInterval& lifts : columns.lifts()) {
         if (lifts.low >= lift_ || lifts.high <= lift_) continue;
         PlacePolygon polygon(*lifts.top_of_a, *lifts.bottom_of_b);
         // As far as the two faces meet no other face of their surfaces, a is inside below its face, and b above its
