@@ -288,6 +288,22 @@ TEST_F(KnownContainments, open_body_can_be_inside_but_contains_nothing) {
     }
 }
 
+TEST_F(KnownContainments, open_body_near_vertices_without_triangles_is_no_error) {
+    ContainedSoup open, points;
+    open.vertices = {{15, 3, 15}, {-11, 3, -5}, {7, 3, 3}, {-0x1.fffffffffffffp+1023, 1, 0}};
+    open.triangles = {{0, 1, 2}};
+    points.vertices = {{2, 3, 0}, {2, 3, 1}};
+    const std::array shapes{Shape(open.view()), Shape(points.view())};
+    const std::array bodies{Body{.shape = 0}, Body{.shape = 1}};
+    const std::array poses{Pose{}, Pose{}};
+    for (Detector* detector : {&cpu_, &reference_})
+        for (const Output output : contained_outputs) {
+            IntersectionQuery query = with_containment(output);
+            query.open = OpenSurfaces::error;
+            EXPECT_FALSE(detector->find(World{shapes, bodies, poses}, query).any);
+        }
+}
+
 TEST_F(KnownContainments, rows_follow_the_order_of_bodies) {
     const ContainedSoup outer = cube(0, 0, 0, 8), left = cube(-2, 0, 0, 2), right = cube(-1, 0, 0, 2);
     const Shape shapes[] = {Shape(left.view()), Shape(outer.view()), Shape(right.view())};

@@ -45,6 +45,7 @@ Array<BodyPair> ClosedBodies::near_pairs(bool self) const {
     const auto box_of_vertices = [&](std::int32_t body) {
         const auto known = boxes.find(body);
         if (known != boxes.end()) return known->second;
+        if (surface(body).face_count() == 0) return boxes[body] = no_bounds;  // it occupies no space
         Array<Vec3d> points = metered_points();
         return boxes[body] = place(body, points).box;
     };
