@@ -57,6 +57,10 @@ struct CheckReport {
     std::vector<CheckItem> items;  ///< those of one body are first, in the order of bodies
 
     std::int64_t count_findings() const;
+    /// Returns shell s of a body, from 0 to its number of shells.
+    const CheckedShell& shell_of(const CheckedBody& body, std::int32_t s) const {
+        return shells[static_cast<std::size_t>(body.first_shell) + static_cast<std::size_t>(s)];
+    }
 };
 
 /// Checks all bodies. Bodies and shells that are not closed have no volumes and no relations: if their surfaces meet

@@ -149,8 +149,7 @@ std::string text_of(const CheckReport& report, const CheckedBody& body) {
     text += ", " + counted(surface.triangles, "triangle");
     if (body.shells < 2) return text;
     std::int64_t cavities = 0;
-    for (std::int32_t s = 0; s < body.shells; ++s)
-        cavities += report.shells[static_cast<std::size_t>(body.first_shell + s)].is_cavity;
+    for (std::int32_t s = 0; s < body.shells; ++s) cavities += report.shell_of(body, s).is_cavity;
     text += fmt::format(", {} shells", grouped(body.shells));
     if (cavities > 0)
         text += fmt::format(" ({} of them {})", grouped(cavities), cavities == 1 ? "a cavity" : "cavities");

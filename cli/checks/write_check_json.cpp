@@ -35,8 +35,7 @@ Json json_of(const CheckReport& report, std::size_t b) {
                          {"length", loop.length},
                          {"centre", loop.centre},
                          {"box", json_of(std::optional(loop.box))}});
-    for (std::int32_t s = 0; s < body.shells; ++s)
-        shells.push_back(json_of(report.shells[static_cast<std::size_t>(body.first_shell + s)]));
+    for (std::int32_t s = 0; s < body.shells; ++s) shells.push_back(json_of(report.shell_of(body, s)));
     json["boundary_loops"] = std::move(loops);
     json["shells"] = std::move(shells);
     json["overlap_with_itself"] = json_of(body.overlap_with_itself);

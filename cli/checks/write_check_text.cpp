@@ -40,7 +40,7 @@ class ItemLister {
 /// Writes the volume that a shell covers twice in several places.
 void write_volumes(std::ostream& out, const CheckReport& report, const CheckedBody& body) {
     for (std::int32_t s = 0; s < body.shells; ++s) {
-        const CheckedShell& shell = report.shells[static_cast<std::size_t>(body.first_shell + s)];
+        const CheckedShell& shell = report.shell_of(body, s);
         std::int64_t places = 0;
         for (const CheckItem& item : report.items)
             places += item.kind == ItemKind::self_intersection && item.first == shell.part;

@@ -13,6 +13,7 @@ grid and ROUNDS iterations per step. The program shows how to use the queries; i
 """
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 
@@ -91,7 +92,7 @@ class Contacts:
         moved = pressed.weights * self.movable[pressed.vertices]
         correction = (depth[:, None] * normals - grip[:, None] * slid) / (pressed.weights * moved).sum(axis=1)[:, None]
         count = np.bincount(pressed.vertices.ravel(), moved.ravel() != 0, len(positions))
-        change = pressed._replace(weights=moved).scatter(correction, len(positions))
+        change = replace(pressed, weights=moved).scatter(correction, len(positions))
         positions += change / np.maximum(count, 1)[:, None]
 
 
