@@ -304,6 +304,21 @@ TEST_F(KnownContainments, open_body_near_vertices_without_triangles_is_no_error)
         }
 }
 
+TEST_F(KnownContainments, pose_that_makes_a_degenerate_body_infinite_is_an_error) {
+    test::Soup<float> point;
+    point.vertices = {{0x1.fffffep127f, 1, 1}};
+    point.triangles = {{0, 0, 0}};
+    const std::array shapes{Shape(point.view())};
+    const std::array bodies{Body{}};
+    Pose twice;
+    twice.rows[0] = 2;
+    const std::array poses{twice};
+    for (Detector* detector : {&cpu_, &reference_}) {
+        const OverlapQuery query{.self_overlaps = true};
+        EXPECT_EQ(error_of([&] { detector->find(World{shapes, bodies, poses}, query); }).code, ErrorCode::not_finite);
+    }
+}
+
 TEST_F(KnownContainments, rows_follow_the_order_of_bodies) {
     const ContainedSoup outer = cube(0, 0, 0, 8), left = cube(-2, 0, 0, 2), right = cube(-1, 0, 0, 2);
     const Shape shapes[] = {Shape(left.view()), Shape(outer.view()), Shape(right.view())};

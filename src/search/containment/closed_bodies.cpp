@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "scene/world_scene.h"
+
 namespace crumple {
 
 ClosedBodies::ClosedBodies(MemoryMeter& meter, Cancellation& cancellation)
@@ -91,6 +93,7 @@ PlacedSurface ClosedBodies::place(std::int32_t body, Array<Vec3d>& points) const
     points.resize_discard(static_cast<std::size_t>(outline_.shape(body).vertices.rows));
     for (std::size_t v = 0; v < points.size(); ++v) {
         points[v] = pose(position(static_cast<std::int64_t>(v)));
+        if (!all_finite(points[v])) fail_body_not_finite(outline_, body);
         placed.box.widen(points[v]);
         placed.in_range &= in_double_word_range(points[v]);
     }

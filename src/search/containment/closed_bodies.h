@@ -51,7 +51,7 @@ class ClosedBodies {
     std::vector<std::int32_t> open_bodies(std::span<const BodyPair> pairs, OpenSurfaces open, const char* query) const;
 
     /// Returns the surface of a body under its pose; `points` gets the posed vertices and must outlive the result.
-    /// O(vertices).
+    /// O(vertices). Throws Error (not_finite) if the pose makes a coordinate infinite.
     PlacedSurface place(std::int32_t body, Array<Vec3d>& points) const;
     /// Returns an empty array, counted by the meter, for the points of place().
     Array<Vec3d> metered_points() const { return Array<Vec3d>(&meter_); }
