@@ -4,6 +4,10 @@
 
 #include <sanitizer/asan_interface.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,9 +60,63 @@ struct Bodies {
             if (how & 2) pose.rows[0] = -1;
             if (how & 4) pose.rows[5] = bytes.one_of(scales);
         }
+        if (query.output == Output::pairs) add_parts(bytes, kind.wild);
     }
 
    private:
+    /// Requests further numbers. Those that take long are left out for bodies with many triangles or wild numbers, so
+    /// that an input takes less than a second.
+    void add_parts(Bytes& bytes, bool wild) {
+        const int parts = bytes.next();
+        std::size_t triangles = 0;
+        for (const Mesh& mesh : meshes) triangles += mesh.triangles.size();
+        if ((wild || are_wide()) && triangles > 8) return;
+        query.regions = parts & 1;
+        query.extents = parts & 2;
+        query.depths = parts & 4;
+        query.translation = parts & 8;
+        query.solids = parts & 16;
+        query.unions = parts & 32;
+        constexpr double tolerances[] = {0.25, 0.0625, 0.015625};
+        if (parts & 64) query.depth_tolerance = bytes.one_of(tolerances) * largest_coordinate();
+        if (!(query.depth_tolerance > 0 && std::isfinite(query.depth_tolerance))) query.depth_tolerance = 0;
+        if (!(parts & 128)) return;
+        for (int count = 1 + bytes.below(2); count > 0; --count) {
+            std::array<double, 3> direction{};
+            const bool any = bytes.flag();
+            for (double& x : direction) x = any ? hostile_number(bytes, wild) : bytes.below(5) - 2;
+            if (direction == std::array<double, 3>{} || !is_finite(direction)) direction = {0, 0, 1};
+            query.directions.push_back(direction);
+        }
+        query.first_free = bytes.flag() && triangles <= 20;
+        if (query.first_free) query.directions.resize(1);
+    }
+
+    /// True if integers that are multiples of all coordinates have hundreds of bits.
+    bool are_wide() const {
+        int low = 1100, high = -1100;
+        for (const Mesh& mesh : meshes)
+            for (const auto& p : mesh.vertices)
+                for (const double x : p)
+                    if (x != 0 && std::isfinite(x))
+                        low = std::min(low, std::ilogb(x)), high = std::max(high, std::ilogb(x));
+        return high - low > 100;
+    }
+
+    static bool is_finite(const std::array<double, 3>& v) {
+        return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+    }
+
+    /// Returns the largest magnitude of the coordinates that are finite, before poses.
+    double largest_coordinate() const {
+        double largest = 0;
+        for (const Mesh& mesh : meshes)
+            for (const auto& p : mesh.vertices)
+                for (const double x : p)
+                    if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
+        return largest;
+    }
+
     /// Replaces each triangle by a tetrahedron or by two triangles back to back; rarely leaves it as it is, so that the
     /// surface is open.
     static void close(Bytes& bytes, Mesh& mesh) {
@@ -128,6 +186,13 @@ void judge(const Bodies& bodies, Detector& reference) {
 /// Bodies under test. print_input() prints them when a sanitizer report or a broken promise ends the process.
 const Bodies* running = nullptr;
 
+/// Returns a number in hexadecimal, which reads back exactly.
+std::string exact_text(double x) {
+    std::array<char, 40> text{};
+    std::snprintf(text.data(), text.size(), "%a", x);
+    return text.data();
+}
+
 void print_input() {
     if (!running) return;
     const OverlapQuery& query = running->query;
@@ -136,7 +201,13 @@ void print_input() {
                        std::to_string(static_cast<int>(query.open)) + ", weld " + std::to_string(query.weld) +
                        ", self_overlaps " + std::to_string(query.self_overlaps) + ", gradient " +
                        std::to_string(query.gradient) + ", curves " + std::to_string(query.curves) + ", windings " +
-                       std::to_string(query.windings) + "\n";
+                       std::to_string(query.windings) + ", regions " + std::to_string(query.regions) + ", extents " +
+                       std::to_string(query.extents) + ", depths " + std::to_string(query.depths) + ", translation " +
+                       std::to_string(query.translation) + ", solids " + std::to_string(query.solids) + ", unions " +
+                       std::to_string(query.unions) + ", first_free " + std::to_string(query.first_free) +
+                       ", depth_tolerance " + exact_text(query.depth_tolerance) + "\n";
+    for (const auto& [x, y, z] : query.directions)
+        code += "direction " + exact_text(x) + " " + exact_text(y) + " " + exact_text(z) + "\n";
     for (std::size_t b = 0; b < running->meshes.size(); ++b) {
         code += as_code(running->meshes[b], std::to_string(b));
         for (const double x : running->poses[b].rows) code += " " + std::to_string(x);
