@@ -123,7 +123,9 @@ TEST_P(OverlapAgreement, t_junctions_with_degenerate_faces_match_brute_force) {
 
 TEST(OverlapMemory, call_under_a_sufficient_limit_gives_the_same_result_within_it) {
     const ClosedBodies bodies = closed_bodies(13, 30, true, false);
-    test::expect_same_under_limit([&](Detector& detector) { return detector.find(bodies.view(), test::everything); },
+    OverlapQuery query = test::everything;
+    query.first_free = false;  // would take most of the time
+    test::expect_same_under_limit([&](Detector& detector) { return detector.find(bodies.view(), query); },
                                   [](const Overlaps& a, const Overlaps& b) { return difference(a, b); });
 }
 

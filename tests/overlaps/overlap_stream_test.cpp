@@ -80,7 +80,9 @@ TEST_P(OverlapStream, blocks_are_the_bytes_of_the_whole_result) {
     for (unsigned seed = 0; seed < (sanitized ? 2u : 4u); ++seed) {
         SCOPED_TRACE(seed);
         const ClosedBodies bodies = closed_bodies(seed, brute_force ? 5 : 18, seed % 2 == 0, seed % 2 == 1);
-        rows += compare(bodies.view(), test::everything);
+        OverlapQuery query = test::everything;
+        query.first_free = brute_force || seed == 1;  // would take most of the time
+        rows += compare(bodies.view(), query);
         pairs += compare(bodies.view(), {.output = Output::body_pairs, .min_volume = 0.01});
         compare(bodies.view(), {.translation = true,
                                 .solids = true,
@@ -171,7 +173,7 @@ TEST(OverlapStreamMemory, blocks_of_a_pile_need_a_fraction_of_the_memory_of_the_
     const auto count = [&](const Overlaps& block) { rows += static_cast<std::int64_t>(block.bodies.size()); };
     const Statistics statistics = in_blocks.stream(bodies.view(), query, count, 16);
     EXPECT_EQ(rows, expected.count);
-    EXPECT_LT(4 * statistics.peak_memory_bytes, expected.statistics.peak_memory_bytes);
+    EXPECT_LT(3 * statistics.peak_memory_bytes, expected.statistics.peak_memory_bytes);
     options.memory_limit = statistics.peak_memory_bytes + statistics.peak_memory_bytes / 4;
     Detector limited(options);
     EXPECT_EQ(difference(streamed(limited, bodies.view(), query, 16), without_flags(expected)), "");
