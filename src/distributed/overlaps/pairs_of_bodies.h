@@ -19,7 +19,7 @@ namespace crumple::distribute {
 
 class PairsOfBodies {
    public:
-    /// What all ranks know about a body, besides the table of Bodies.
+    /// Row of a table of bodies that all ranks have, besides that of Bodies.
     struct Row {
         Bounds box = no_bounds;  ///< tight box of the posed vertices; empty for a body without triangles
         std::int32_t group = 0;
