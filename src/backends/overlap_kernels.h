@@ -1,8 +1,9 @@
 #pragma once
 
-// Interface of optional kernels of a backend for sums over the overlap of two closed bodies, a and b: blocks of faces
-// and segments that search/overlap/overlap_sums.h passes to the kernels, and the sums that they return. The terms of
-// the sums are defined in exact/overlap/pair_terms.h, and computed in double words (geometry/double_word.h).
+// Interface of optional kernels of a backend for the overlap of two closed bodies, a and b. Blocks of pairs of faces
+// are passed to the kernels, which return the signs by which these cross (exact/overlap/face_crossing.h), and blocks of
+// faces and segments, of which they return sums. The terms of the sums are defined in exact/overlap/pair_terms.h, and
+// computed in double words (geometry/double_word.h).
 
 #include <array>
 #include <cstdint>
@@ -53,7 +54,32 @@ struct SegmentBlock {
     double times[size];      ///< number of times that the segment counts in curve sums: 0, 1 or 2
 };
 
+/// Pairs of a face of a and a face of b, in one array per coordinate. Arrays are padded from `count` to a multiple of
+/// WordSum::most_lanes by copies of a pair.
+struct PairBlock {
+    static constexpr int size = 64;
+    int count = 0;
+    alignas(64) double a[3][3][size], b[3][3][size];  ///< by corner, axis and pair
+};
+
+/// Signs by which the pairs of a block cross, as far as float64 decides them: bit i for pair i. The second surface is
+/// shifted (exact/overlap/face_crossing.h), in both directions.
+struct CrossingSigns {
+    /// Pairs that cross under no shift and are not coplanar.
+    std::uint64_t apart = 0;
+    /// Pairs all of whose signs that matter are known. The signs of other pairs are undefined.
+    std::uint64_t decided = 0;
+    std::uint64_t tied = 0;    ///< pairs with a sign that comes from the shift; without, both shifts are the same
+    std::uint64_t zero[2][3];  ///< by surface and corner: the corner is in the plane of the other face, without a shift
+    std::uint64_t sides[2][2][3];  ///< by shift, surface and corner: the corner is on the positive side of that plane
+    /// By shift and by edges of a and b, those at the corner that is alone on its side: [0] the edge that ends there,
+    /// [1] the edge that begins there. True if edges() of cross_faces() is positive.
+    std::uint64_t edges[2][2][2];
+};
+
 struct OverlapKernels {
+    /// Decides signs of pairs. Coordinates must be in the range of double words.
+    void (*find_signs)(const PairBlock& block, CrossingSigns& signs);
     /// Computes sums over faces: the volume and, if `numbers`, the first moment. Points are taken relative to `origin`.
     void (*add_faces)(const FaceBlock& block, const Vec3d& origin, bool numbers, BlockSums& sums);
     /// Computes sums over segments: the volume and, if `numbers`, all others. Leaves out segments with an end that is

@@ -1,14 +1,16 @@
-// Compares the sums that the kernels of each instruction set compute in SIMD lanes with rational arithmetic: the error
-// bounds of each kernel must hold.
+// Compares what the kernels of each instruction set compute in SIMD lanes with rational arithmetic: signs that they
+// call known must be exact, and the error bounds of sums must hold.
 
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "backends/cpu/overlaps/overlap_lanes.h"
 #include "base/float_environment.h"
 #include "crumple/error.h"
+#include "exact/overlap/exact_crossing.h"
 #include "exact/overlap/filtered_crossing.h"
 #include "geometry/random_pairs.h"
 #include "search/overlap/overlap_blocks.h"
@@ -67,7 +69,18 @@ void expect_enclosed(const WordSum (&words)[3], int lanes, const std::array<Rati
     for (std::size_t k = 0; k < 3; ++k) expect_enclosed(words[k], lanes, sums[k], most);
 }
 
-class SimdSumsOfEachKind : public testing::TestWithParam<Kind> {
+void expect_equal(const DecidedCrossing& found, const DecidedCrossing& exact) {
+    ASSERT_EQ(found.jumps.a, exact.jumps.a);
+    ASSERT_EQ(found.jumps.b, exact.jumps.b);
+    ASSERT_EQ(found.jumps.segment, exact.jumps.segment);
+    if (!exact.jumps.segment) return;
+    for (const auto end : {&Segment::start, &Segment::end}) {
+        const SegmentEnd &x = found.segment.*end, &y = exact.segment.*end;
+        EXPECT_EQ(std::tie(x.side, x.edge, x.vertex, x.jump), std::tie(y.side, y.edge, y.vertex, y.jump));
+    }
+}
+
+class SimdOverlapsOfEachKind : public testing::TestWithParam<Kind> {
    protected:
     RandomPairs random_{GetParam(), 31};
     std::mt19937 dice_{5};
@@ -82,7 +95,7 @@ class SimdSumsOfEachKind : public testing::TestWithParam<Kind> {
     int rounds() const { return rounds_of(GetParam(), 20); }
 };
 
-TEST_P(SimdSumsOfEachKind, sums_are_within_their_error_bounds) {
+TEST_P(SimdOverlapsOfEachKind, sums_are_within_their_error_bounds) {
     constexpr double largest = std::numeric_limits<double>::max();
     const auto kernels = all_kernels();
     for (int round = 0; round < rounds(); ++round) {
@@ -148,7 +161,62 @@ TEST_P(SimdSumsOfEachKind, sums_are_within_their_error_bounds) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SimdSumsOfEachKind, testing::ValuesIn(all_kinds));
+TEST_P(SimdOverlapsOfEachKind, known_signs_are_exact) {
+    const auto kernels = all_kernels();
+    int known = 0, tied = 0, all = 0;
+    for (int round = 0; round < 10 * rounds(); ++round) {
+        std::vector<Triangle> of_a, of_b;
+        std::vector<Pair> pairs;
+        for (int tries = 0; of_a.size() < 1 + static_cast<std::size_t>(round) % PairBlock::size && tries < 200;
+             ++tries) {
+            const TrianglePair pair = random_();
+            if (!in_range(pair.a) || !in_range(pair.b)) continue;
+            pairs.push_back({static_cast<std::int32_t>(of_a.size()), static_cast<std::int32_t>(of_a.size())});
+            of_a.push_back(pair.a);
+            of_b.push_back(pair.b);
+        }
+        if (of_a.empty()) continue;
+        const LooseTriangles a(of_a), b(of_b);
+        const SurfacePair surfaces{{&a.placed, &b.placed}, {}};
+        std::vector<DecidedCrossings> exact;
+        for (const Pair& pair : pairs)
+            exact.push_back(decide_crossings(a.placed.corners(pair.a), b.placed.corners(pair.b)));
+        for (const OverlapKernels* lanes : kernels) {
+            PairBlock block;
+            CrossingSigns signs;
+            fill(surfaces, pairs, block);
+            lanes->find_signs(block, signs);
+            for (std::size_t i = 0; i < pairs.size(); ++i, ++all) {
+                SCOPED_TRACE((TrianglePair{of_a[i], of_b[i]}));
+                const DecidedCrossing none;
+                if (signs.apart >> i & 1) {
+                    expect_equal(none, exact[i].forward);
+                    expect_equal(none, exact[i].backward);
+                    EXPECT_FALSE(exact[i].coplanar);
+                    ++known;
+                } else if (signs.decided >> i & 1) {
+                    DecidedSigns of_pair(signs, i);
+                    const DecidedCrossings found = decide_crossings(of_pair);
+                    expect_equal(found.forward, exact[i].forward);
+                    expect_equal(found.backward, exact[i].backward);
+                    EXPECT_EQ(found.tied, exact[i].tied);
+                    EXPECT_EQ(found.coplanar, exact[i].coplanar);
+                    ++known;
+                    tied += found.tied;
+                }
+            }
+        }
+    }
+    if (kernels.empty()) return;
+    if (GetParam() == Kind::random || GetParam() == Kind::lattice) {
+        EXPECT_GT(known, all / 2);
+    }
+    if (GetParam() == Kind::lattice) {
+        EXPECT_GT(tied, all / 10);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SimdOverlapsOfEachKind, testing::ValuesIn(all_kinds));
 
 }  // namespace
 }  // namespace crumple

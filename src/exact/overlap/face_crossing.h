@@ -39,6 +39,11 @@ struct FaceCrossing {
     bool segment = false;
 };
 
+/// Returns the corner that is alone on its side of a plane which cuts the face.
+CRUMPLE_HD constexpr std::size_t lone_corner(const std::array<int, 3>& side) {
+    return side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0;
+}
+
 /// Decides the crossing of two faces a and b under a shift. `Signs` provides, with each sign −1 or 1:
 ///   has_inside_a, has_inside_b   true if the face has a normal
 ///   a_side(i)                    side of corner i of a relative to the plane of b; called only if b has a normal
@@ -63,7 +68,7 @@ CRUMPLE_HD FaceCrossing cross_faces(Signs& signs) {
         // point at which an edge of a crosses the plane of b lies in b if it lies between the points at which b crosses
         // the plane of a.
         const auto edges_at_lone_corner = [](const std::array<int, 3>& side) {
-            const std::size_t lone = side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0;
+            const std::size_t lone = lone_corner(side);
             return std::array<std::size_t, 2>{(lone + 2) % 3, lone};
         };
         const auto [i0, i1] = edges_at_lone_corner(a);

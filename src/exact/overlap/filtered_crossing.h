@@ -24,6 +24,7 @@ CRUMPLE_HD inline int cross_sign(const Vec3d& p, const Vec3d& q, const Vec3d& r,
     const double plus = (q[x] - p[x]) * (s[y] - r[y]), minus = (q[y] - p[y]) * (s[x] - r[x]);
     const int sign = certain_sign(plus - minus, 5 * epsilon * (std::abs(plus) + std::abs(minus)) + slack);
     if (sign != undecided) return sign;
+    if ((q[x] == p[x] || s[y] == r[y]) && (q[y] == p[y] || s[x] == r[x])) return 0;
     return (crumple::exact_difference(q[x], p[x]) * crumple::exact_difference(s[y], r[y]) -
             crumple::exact_difference(q[y], p[y]) * crumple::exact_difference(s[x], r[x]))
         .sign();

@@ -1,11 +1,13 @@
 #pragma once
 
-// Copies faces and segments to blocks, the input of kernels (backends/overlap_kernels.h). Host only.
+// Copies pairs of faces, faces and segments to blocks, the input of kernels (backends/overlap_kernels.h), and reads the
+// signs that kernels return. Host only.
 
 #include <algorithm>
 #include <span>
 
 #include "backends/overlap_kernels.h"
+#include "crumple/intersections.h"
 #include "search/overlap/overlap_surface_pair.h"
 
 namespace crumple {
@@ -19,6 +21,56 @@ inline std::size_t padded(std::size_t count) {
     return (count + WordSum::most_lanes - 1) / WordSum::most_lanes * WordSum::most_lanes;
 }
 }  // namespace detail
+
+inline void fill(const SurfacePair& surfaces, std::span<const Pair> pairs, PairBlock& block) {
+    block.count = static_cast<int>(pairs.size());
+    for (std::size_t i = 0; i < detail::padded(pairs.size()); ++i) {
+        const Pair& pair = pairs[std::min(i, pairs.size() - 1)];
+        const FaceCorners a = surfaces.corners(0, pair.a), b = surfaces.corners(1, pair.b);
+        for (std::size_t k = 0; k < 3; ++k) {
+            detail::put(a[k], i, block.a[k]);
+            detail::put(b[k], i, block.b[k]);
+        }
+    }
+}
+
+/// Signs of a decided pair of a block, for decide_crossings().
+class DecidedSigns {
+   public:
+    DecidedSigns(const CrossingSigns& signs, std::size_t pair)
+        : tied(signs.tied >> pair & 1), signs_(signs), pair_(pair) {}
+
+    static constexpr bool has_inside_a = true, has_inside_b = true;
+    bool tied;
+
+    void set(Shift shift) {
+        shift_ = shift == Shift::forward ? 0 : 1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            a_[k] = sign(signs_.sides[shift_][0][k]);
+            b_[k] = sign(signs_.sides[shift_][1][k]);
+        }
+    }
+    int a_side(std::size_t i) const { return a_[i]; }
+    int b_side(std::size_t i) const { return b_[i]; }
+    int edges(std::size_t i, std::size_t j) const {
+        return sign(signs_.edges[shift_][i == lone_corner(a_) ? 1 : 0][j == lone_corner(b_) ? 1 : 0]);
+    }
+    int vertex(std::size_t of_b, std::size_t edge) const {
+        const auto in_plane = [&](std::size_t corner) { return is_set(signs_.zero[of_b][corner]); };
+        if (!tied) return -1;
+        if (in_plane(edge)) return static_cast<int>(edge);
+        return in_plane(next_corner(edge)) ? static_cast<int>(next_corner(edge)) : -1;
+    }
+    bool in_plane_of_b(std::size_t i) const { return is_set(signs_.zero[0][i]); }
+
+   private:
+    bool is_set(std::uint64_t bits) const { return (bits >> pair_ & 1) != 0; }
+    int sign(std::uint64_t bits) const { return is_set(bits) ? 1 : -1; }
+
+    const CrossingSigns& signs_;
+    std::size_t pair_, shift_ = 0;
+    std::array<int, 3> a_{}, b_{};
+};
 
 inline void fill(const SurfacePair& surfaces, std::size_t side, std::span<const CountedFace> faces, FaceBlock& block) {
     block.count = static_cast<int>(faces.size());

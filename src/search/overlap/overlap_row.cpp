@@ -10,6 +10,7 @@
 #include "exact/overlap/filtered_crossing.h"
 #include "search/depth/overlap_depth.h"
 #include "search/depth/overlap_depth_bound.h"
+#include "search/overlap/overlap_blocks.h"
 #include "search/overlap/overlap_contact_area.h"
 
 namespace crumple {
@@ -41,7 +42,6 @@ bool faces_meet(const FaceCorners& a, const FaceCorners& b) {
 
 /// Adds a segment without length if edges of a degenerate face cross the other face.
 void add_link(const Pair& pair, const FaceCrossing& jumps, std::vector<Segment>& links) {
-    if (!crosses(jumps)) return;
     Segment& link = links.emplace_back(segment_of(jumps, [](std::size_t, std::size_t) { return -1; }));
     link.a = pair.a, link.b = pair.b;
 }
@@ -116,11 +116,12 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
         cancellation_.check();
         CrossedPairs& crossed = parts[part];
         const auto add = [&](const Pair& pair, const DecidedCrossing& crossing, Shift shift, int times) {
+            if (!crosses(crossing.jumps)) return;
             const bool forward = shift == Shift::forward;
             auto& steps = crossed.steps[forward ? 0 : 1];
             steps[0].add_jumps(topology(0), pair.a, crossing.jumps.a);
             steps[1].add_jumps(topology(1), pair.b, crossing.jumps.b);
-            crossed.meet |= crosses(crossing.jumps);
+            crossed.meet = true;
             if (!crossing.jumps.segment && forward) add_link(pair, crossing.jumps, crossed.links);
             if (!crossing.jumps.segment || (times == 0 && !forward)) return;
             Segment segment = crossing.segment;
@@ -134,19 +135,31 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             if (both.tied || gradient) add(pair, both.backward, Shift::backward, both.tied ? once : 0);
             if (both.coplanar && (self_ == 0 || pair.a < pair.b)) crossed.coplanar.push_back(pair);
         };
-        const std::size_t end = std::min(pairs_.size(), (part + 1) * chunk);
-        std::optional<CrossedFace> a;
-        for (std::size_t i = part * chunk; i < end; ++i) {
-            const Pair& pair = pairs_[i];
-            const FaceCorners p = body(0).corners(pair.a), q = body(1).corners(pair.b);
-            if (!quick) {
-                add_pair(pair, decide_crossings(p, q));
-                continue;
+        std::int32_t first = -1;
+        std::optional<CrossedFace> face_a;  // face `first` of a, with which pairs come one after another
+        const auto decide = [&](const Pair& pair) {
+            if (!quick) return decide_crossings(body(0).corners(pair.a), body(1).corners(pair.b));
+            if (pair.a != first) face_a.emplace(body(0).corners(first = pair.a));
+            const CrossedFace face_b(body(1).corners(pair.b));
+            FilteredCrossingSigns signs(*face_a, face_b);
+            return decide_crossings(signs);
+        };
+        const auto some = pairs_.subspan(part * chunk, std::min(chunk, pairs_.size() - part * chunk));
+        PairBlock block;
+        CrossingSigns signs;
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            const std::size_t in_block = i % PairBlock::size;
+            if (in_block == 0 && quick && kernels_) {
+                fill(sums_.surfaces, some.subspan(i, std::min<std::size_t>(PairBlock::size, some.size() - i)), block);
+                kernels_->find_signs(block, signs);
             }
-            if (i == part * chunk || pair.a != pairs_[i - 1].a) a.emplace(p);
-            const CrossedFace b(q);
-            FilteredCrossingSigns signs(*a, b);
-            add_pair(pair, decide_crossings(signs));
+            if (signs.apart >> in_block & 1) continue;
+            if (signs.decided >> in_block & 1) {
+                DecidedSigns known(signs, in_block);
+                add_pair(some[i], decide_crossings(known));
+            } else {
+                add_pair(some[i], decide(some[i]));
+            }
         }
     };
     MemoryClaim memory_of_parts(meter_);

@@ -1,5 +1,5 @@
-// Kernels for sums over the overlap of two bodies (backends/overlap_kernels.h), in double words and SIMD lanes, one
-// table for each instruction set, from one source: Highway includes this file once per target.
+// Kernels for the overlap of two bodies (backends/overlap_kernels.h) in SIMD lanes, one table for each instruction set,
+// from one source: Highway includes this file once per target. Sums are computed in double words.
 //
 // Each number has an error bound in float64. With u = 2^-53, a sum of words errs by at most 3.01 u² of itself, a
 // product by 7 u², a quotient by 15.01 u². So, from exact differences, a component of a cross product errs by 10.1 u²
@@ -19,6 +19,7 @@
 #include "hwy/highway.h"
 
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+#include "backends/cpu/overlaps/signs-inl.h"
 #include "backends/cpu/overlaps/words-inl.h"
 #include "backends/cpu/simd/common-inl.h"
 
@@ -247,7 +248,7 @@ std::uint64_t add_segments(const SegmentBlock& block, const Vec3d& origin, bool 
     return numbers ? segments<true>(block, origin, sums) : segments<false>(block, origin, sums);
 }
 
-const OverlapKernels table{add_faces, add_segments};
+const OverlapKernels table{find_signs, add_faces, add_segments};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace crumple::cpu::overlaps
