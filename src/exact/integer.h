@@ -33,10 +33,14 @@ struct Binary {
 
     explicit Binary(double x) {
         if (x == 0) return;
-        mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
-        const int zeros = std::countr_zero(static_cast<std::uint64_t>(mantissa));
-        mantissa >>= zeros;
-        exponent += zeros - 53;
+        constexpr std::uint64_t fraction_bits = 52, one = std::uint64_t{1} << fraction_bits;
+        const auto bits = std::bit_cast<std::uint64_t>(x);
+        const auto biased = static_cast<int>(bits >> fraction_bits & 0x7ff);
+        const std::uint64_t magnitude = (bits & (one - 1)) | (biased != 0 ? one : 0);  // 0: a subnormal number
+        const int zeros = std::countr_zero(magnitude);
+        mantissa = static_cast<std::int64_t>(magnitude >> zeros);
+        if (x < 0) mantissa = -mantissa;
+        exponent = std::max(biased, 1) - 1075 + zeros;
     }
 };
 

@@ -10,10 +10,14 @@ struct ExactPoint {
 
 /// Converts points to integer coordinates relative to the origin, in units of 2^exponent.
 struct IntegerUnit {
-    Vec3d origin;
     int exponent;
+    Vec3<Integer> origin;
 
-    ExactPoint at(const Vec3d& p) const { return {in_units(p, exponent) - in_units(origin, exponent)}; }
+    template <std::size_t n>
+    IntegerUnit(const Vec3d& origin, const std::array<Vec3d, n>& points)
+        : exponent(common_exponent(points)), origin(in_units(origin, exponent)) {}
+
+    ExactPoint at(const Vec3d& p) const { return {in_units(p, exponent) - origin}; }
     ExactPoint at(const CrossingEdge& edge) const {
         ExactPoint from = at(edge.from);
         if (edge.is_vertex()) return from;
@@ -40,10 +44,10 @@ struct IntegerUnit {
 };
 
 IntegerUnit unit_of(const SurfacePair& surfaces, const FaceCorners& p) {
-    return {surfaces.origin, common_exponent(std::array{surfaces.origin, p[0], p[1], p[2]})};
+    return {surfaces.origin, std::array{surfaces.origin, p[0], p[1], p[2]}};
 }
 IntegerUnit unit_of(const SurfacePair& surfaces, const FaceCorners& p, const FaceCorners& q) {
-    return {surfaces.origin, common_exponent(std::array{surfaces.origin, p[0], p[1], p[2], q[0], q[1], q[2]})};
+    return {surfaces.origin, std::array{surfaces.origin, p[0], p[1], p[2], q[0], q[1], q[2]}};
 }
 
 }  // namespace
@@ -55,12 +59,16 @@ void ExactTerms::add_face(const FaceCorners& p, std::int32_t times, VolumeTotals
 
 void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) const {
     if (!segment.in_volume) return;
+    const CrossingEdge from(surfaces_, segment, segment.start), to(surfaces_, segment, segment.end);
+    const bool has_length = !has_no_length(from, to);
+    if (!has_length && segment.start.edge != 1 && segment.end.edge != 1) return;
     const std::array<FaceCorners, 2> face{surfaces_.corners_a(segment), surfaces_.corners_b(segment)};
     const IntegerUnit unit = unit_of(surfaces_, face[0], face[1]);
-    const ExactPoint start = unit.at(CrossingEdge(surfaces_, segment, segment.start)),
-                     end = unit.at(CrossingEdge(surfaces_, segment, segment.end));
-    unit.add_cone(unit.at(face[0][0]), start, end, 1, totals);
-    unit.add_cone(unit.at(face[1][0]), end, start, 1, totals);
+    const ExactPoint start = unit.at(from), end = unit.at(to);
+    if (has_length) {
+        unit.add_cone(unit.at(face[0][0]), start, end, 1, totals);
+        unit.add_cone(unit.at(face[1][0]), end, start, 1, totals);
+    }
     const auto add_edge = [&](const SegmentEnd& of, const ExactPoint& point) {
         const FaceCorners& p = face[of.side];
         if (of.edge == 1) unit.add_cone(unit.at(p[0]), point, unit.at(p[2]), of.jump, totals);
@@ -70,10 +78,11 @@ void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) 
 }
 
 void ExactTerms::add(const Segment& segment, CurveTotals<RationalSum>& totals) const {
-    if (segment.times == 0) return;
+    const CrossingEdge start(surfaces_, segment, segment.start), end(surfaces_, segment, segment.end);
+    if (segment.times == 0 || has_no_length(start, end)) return;
     const IntegerUnit unit = unit_of(surfaces_, surfaces_.corners_a(segment), surfaces_.corners_b(segment));
-    const auto [s, v] = unit.at(CrossingEdge(surfaces_, segment, segment.start));
-    const auto [e, w] = unit.at(CrossingEdge(surfaces_, segment, segment.end));
+    const auto [s, v] = unit.at(start);
+    const auto [e, w] = unit.at(end);
     const Integer both = v * w, times = segment.times;
     unit.add(times * cross(s, e), both, 2, totals.area);
     // Term of the torque for a segment from s/v to e/w: (e/w − s/v) ((s/v)² + (s/v) (e/w) + (e/w)²)

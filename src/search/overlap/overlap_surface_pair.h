@@ -43,4 +43,10 @@ struct CrossingEdge {
     bool is_vertex() const { return from == to; }
 };
 
+/// True if a segment runs from a vertex to the same position, so that its cones and its terms in sums over curves are
+/// 0. So do most segments where many faces meet at common vertices.
+inline bool has_no_length(const CrossingEdge& start, const CrossingEdge& end) {
+    return start.is_vertex() && end.is_vertex() && start.from == end.from;
+}
+
 }  // namespace crumple
