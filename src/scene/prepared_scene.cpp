@@ -21,14 +21,14 @@ bool contiguous(const ArrayView<Type>& view) {
     return view.column_stride == size && view.row_stride == 3 * size;
 }
 
-// Finds the bounds of contiguous rows, and checks that all coordinates are finite. Handles sixteen rows at a time: they
+// Finds the bounds of contiguous rows, and checks that all coordinates are finite. Handles eight rows at a time: they
 // fill vectors of any width, and a compiler vectorises a loop of this length instead of unrolling it. Minimum and
 // maximum are written as a comparison and a selection, which vectorise without -ffast-math. A finite value minus itself
 // is 0; for other values the difference is NaN, which persists in the sum.
 template <class T>
 ChunkCheck check_rows(const T* data, std::int64_t rows) {
     constexpr double most = std::numeric_limits<double>::max();
-    constexpr std::int64_t rows_at_once = 16;
+    constexpr std::int64_t rows_at_once = 8;
     std::array<T, 3 * rows_at_once> lo, hi, spoiled{};
     lo.fill(std::numeric_limits<T>::max());
     hi.fill(std::numeric_limits<T>::lowest());
@@ -54,7 +54,8 @@ ChunkCheck check_rows(const T* data, std::int64_t rows) {
     return check;
 }
 
-// Returns the box of vertices [begin, end), and checks that they are finite.
+}  // namespace
+
 ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, std::int64_t begin, std::int64_t end) {
     if (contiguous(view) && reinterpret_cast<std::uintptr_t>(view.data) % size_of(view.type) == 0) {
         if (view.type == ScalarType::float32)
@@ -71,6 +72,8 @@ ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, st
     }
     return check;
 }
+
+namespace {
 
 [[noreturn]] void fail_infinite_vertex(const VertexView& view, const VertexReader& reader, const std::string& which) {
     std::int64_t i = 0;

@@ -118,6 +118,9 @@ inline constexpr const char* too_many_moving_vertices = "a moving scene can have
 /// Adds end positions to a scene of one mesh and validates them. Throws Error: not_finite, invalid_argument.
 void add_motion(const VertexView& end, ParallelFor& workers, SceneBuffers& buffers, PreparedScene& scene);
 
+/// Returns the box of vertices [begin, end) of a view with its reader, and checks that they are finite.
+ChunkCheck check_vertices(const VertexView& view, const VertexReader& reader, std::int64_t begin, std::int64_t end);
+
 /// Throws Error (not_finite) that names the first vertex that is not finite, with the prefix `which`.
 void check_finite(const VertexView& vertices, const std::string& which, ParallelFor& workers, SceneBuffers& buffers);
 

@@ -11,6 +11,7 @@ namespace crumple {
 namespace {
 
 constexpr std::int64_t chunk = 8192;
+constexpr std::size_t most_marked_boxes = 10;  // six bits each
 
 }  // namespace
 
@@ -42,6 +43,7 @@ WorldScene::WorldScene(MemoryMeter* meter)
       edges_(meter),
       points_(meter),
       row_(meter),
+      sides_(meter),
       buffers_(meter) {}
 
 void WorldScene::begin(bool float32, BodyFilter& rules, bool moving) {
@@ -78,19 +80,48 @@ void WorldScene::grow_vertices(std::int64_t more) {
     }
 }
 
-void WorldScene::put(Coordinates& coordinates, std::int64_t vertex, const Vec3d& p) {
-    for (int axis = 0; axis < 3; ++axis) {
-        if (float32_)
-            coordinates.f[3 * vertex + axis] = static_cast<float>(p[axis]);
-        else
-            coordinates.d[3 * vertex + axis] = p[axis];
+template <class PositionOf>
+void WorldScene::put(Coordinates& coordinates, std::int64_t first, std::int64_t count, PositionOf position_of) {
+    const auto write = [&](auto* out) {
+        for (std::int64_t i = 0; i < count; ++i, out += 3) {
+            const Vec3d p = position_of(i);
+            for (int axis = 0; axis < 3; ++axis) out[axis] = static_cast<std::decay_t<decltype(*out)>>(p[axis]);
+        }
+    };
+    float32_ ? write(coordinates.f.data() + 3 * first) : write(coordinates.d.data() + 3 * first);
+}
+
+// Marks each vertex from `first` on by its sides of up to ten boxes, in six bits for each box: bit 2 k if it lies below
+// the box on axis k, bit 2 k + 1 if above.
+void WorldScene::mark_sides(std::int64_t first, std::span<const Bounds> near) {
+    sides_.resize_discard(static_cast<std::size_t>(vertices() - first));
+    for (std::size_t v = 0; v < sides_.size(); ++v) {
+        const Vec3d p = at(first + static_cast<std::int64_t>(v));
+        std::uint64_t sides = 0;
+        for (const Bounds& box : near) {
+            sides <<= 6;
+            for (int axis = 0; axis < 3; ++axis) {
+                sides |= std::uint64_t{p[axis] < box.low[axis]} << (2 * axis);
+                sides |= std::uint64_t{p[axis] > box.high[axis]} << (2 * axis + 1);
+            }
+        }
+        sides_[v] = sides;
     }
 }
 
+// True if the box of a triangle overlaps a box in `near`, of which there are at most ten; its vertices are marked from
+// `first` on. The box is apart from another one if all corners lie beyond the same side of that one.
+bool WorldScene::is_near(const Row& row, std::int64_t first, std::span<const Bounds> near) const {
+    const auto sides = [&](std::int32_t v) { return sides_[static_cast<std::size_t>(v - first)]; };
+    std::uint64_t all = sides(row.corner[0]) & sides(row.corner[1]) & sides(row.corner[2]);
+    for (std::size_t i = 0; i < near.size(); ++i, all >>= 6)
+        if ((all & 63) == 0) return true;
+    return false;
+}
+
 bool WorldScene::is_near(const Row& row, std::span<const Bounds> near) const {
-    const auto at = [&](const auto& c, std::int64_t v) { return Vec3d{c[3 * v], c[3 * v + 1], c[3 * v + 2]}; };
     Bounds box = no_bounds;
-    for (const std::int32_t v : row.corner) box.widen(float32_ ? at(start_.f, v) : at(start_.d, v));
+    for (const std::int32_t v : row.corner) box.widen(at(v));
     return std::any_of(near.begin(), near.end(), [&](const Bounds& other) { return overlap(box, other); });
 }
 
@@ -126,12 +157,13 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
     const VertexReader position = reader_of(shape), end_position = end_reader_of(shape);
     const Placement place = outline.placement(b), end_place = outline.end_placement(b);
     workers.parallel_for(static_cast<std::size_t>((n + chunk - 1) / chunk), [&](std::size_t c) {
-        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk;
-        for (std::int64_t v = begin; v < std::min(n, begin + chunk); ++v) {
-            put(start_, first + v, place(position(v)));
-            if (moving_) put(end_, first + v, end_place(end_position(v)));
-        }
+        const std::int64_t begin = static_cast<std::int64_t>(c) * chunk, count = std::min(chunk, n - begin);
+        put(start_, first + begin, count, [&](std::int64_t v) { return place(position(begin + v)); });
+        if (moving_)
+            put(end_, first + begin, count, [&](std::int64_t v) { return end_place(end_position(begin + v)); });
     });
+    const bool marked = !near.empty() && near.size() <= most_marked_boxes;
+    if (marked) mark_sides(first, near);
     groups_.grow_by(static_cast<std::size_t>(m));
     triangle_.grow_by(static_cast<std::size_t>(m));
     corner_.grow_by(static_cast<std::size_t>(3 * m));
@@ -143,7 +175,8 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
                 if (v < 0 || v >= n) fail_index(WorldOutline::name(b), t, v, n);
                 row.corner[k] = static_cast<std::int32_t>(first + v);
             }
-            if (near.empty() || is_near(row, near)) add_triangle(outline, b, everywhere, row);
+            if (near.empty() || (marked ? is_near(row, first, near) : is_near(row, near)))
+                add_triangle(outline, b, everywhere, row);
         }
     });
 }
@@ -158,12 +191,13 @@ void WorldScene::add(const WorldOutline& outline, std::int32_t b, bool everywher
         const ShapeTree::Group& group = tree.group(g);
         const auto first = static_cast<std::int32_t>(vertices());
         grow_vertices(group.vertices);
+        const auto posed_vertex = [&](std::int64_t v) { return Vec3d{posed[0][v], posed[1][v], posed[2][v]}; };
         tree.pose(group, place, posed);
-        for (std::int32_t v = 0; v < group.vertices; ++v)
-            put(start_, first + v, {posed[0][v], posed[1][v], posed[2][v]});
-        if (moving_) tree.pose(group, end_place, posed);
-        for (std::int32_t v = 0; moving_ && v < group.vertices; ++v)
-            put(end_, first + v, {posed[0][v], posed[1][v], posed[2][v]});
+        put(start_, first, group.vertices, posed_vertex);
+        if (moving_) {
+            tree.pose(group, end_place, posed);
+            put(end_, first, group.vertices, posed_vertex);
+        }
         for (std::size_t k = 0; k < static_cast<std::size_t>(group.count); ++k) {
             const auto& c = group.corner[k];
             row_.push_back({group.element[k], {first + c[0], first + c[1], first + c[2]}});

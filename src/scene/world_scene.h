@@ -92,7 +92,15 @@ class WorldScene {
         Array<float> f;
         Array<double> d;
     };
-    void put(Coordinates& coordinates, std::int64_t vertex, const Vec3d& p);
+    /// Writes the positions of `count` vertices; position_of(i) returns that of vertex `first` + i.
+    template <class PositionOf>
+    void put(Coordinates& coordinates, std::int64_t first, std::int64_t count, PositionOf position_of);
+    Vec3d at(std::int64_t vertex) const {
+        const auto row = [&](const auto& c) { return Vec3d{c[3 * vertex], c[3 * vertex + 1], c[3 * vertex + 2]}; };
+        return float32_ ? row(start_.f) : row(start_.d);
+    }
+    void mark_sides(std::int64_t first, std::span<const Bounds> near);
+    bool is_near(const Row& row, std::int64_t first, std::span<const Bounds> near) const;
     bool is_near(const Row& row, std::span<const Bounds> near) const;
     VertexView view(const Coordinates& coordinates) const;
     void grow_vertices(std::int64_t more);
@@ -110,6 +118,7 @@ class WorldScene {
     Array<Edge> edges_;           ///< of bodies of which only groups were added
     Array<std::int32_t> points_;  ///< likewise
     Array<Row> row_;              ///< scratch
+    Array<std::uint64_t> sides_;  ///< scratch: see mark_sides()
     SceneBuffers buffers_;
 };
 

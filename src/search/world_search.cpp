@@ -128,11 +128,19 @@ Bounds WorldSearch::read_box(std::int32_t b) const {
     cancellation_.check();
     const VertexReader position = reader_of(shape);
     Bounds box = no_bounds;
-    for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
-        const Vec3d p = place(position(v));
-        if (!finite({p, p}, largest_number)) fail_body_not_finite(outline_, b);
-        box.widen(p);
+    bool good = true;
+    if (place.identity()) {
+        const ChunkCheck check = check_vertices(shape.vertices, position, 0, shape.vertices.rows);
+        box = {check.low, check.high};
+        good = check.good;
+    } else {
+        for (std::int64_t v = 0; v < shape.vertices.rows; ++v) {
+            const Vec3d p = place(position(v));
+            good = good && finite({p, p}, largest_number);
+            box.widen(p);
+        }
     }
+    if (!good) fail_body_not_finite(outline_, b);
     return shape.triangles.rows > 0 ? box : no_bounds;
 }
 

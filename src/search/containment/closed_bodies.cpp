@@ -1,6 +1,7 @@
 #include "search/containment/closed_bodies.h"
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 
 #include "scene/world_scene.h"
@@ -90,16 +91,38 @@ PlacedSurface ClosedBodies::place(std::int32_t body, Array<Vec3d>& points) const
     const Placement pose = outline_.placement(body);
     PlacedSurface placed;
     placed.surface = &surface(body);
-    points.resize_discard(static_cast<std::size_t>(outline_.shape(body).vertices.rows));
-    for (std::size_t v = 0; v < points.size(); ++v) {
-        points[v] = pose(position(static_cast<std::int64_t>(v)));
-        if (!all_finite(points[v])) fail_body_not_finite(outline_, body);
-        placed.box.widen(points[v]);
-        placed.in_range &= in_double_word_range(points[v]);
-    }
+    const std::int64_t n = outline_.shape(body).vertices.rows;
+    points.resize_discard(static_cast<std::size_t>(n));
+    if (pose.identity() && !position.float32 && position.contiguous())
+        std::memcpy(points.data(), position.data, static_cast<std::size_t>(n) * sizeof(Vec3d));
+    else
+        for (std::int64_t v = 0; v < n; ++v) points[v] = pose(position(v));
+    const VertexView view = rows_of_three(&points.data()->x, n);
+    const ChunkCheck check = check_vertices(
+        view, {static_cast<const std::byte*>(view.data), view.row_stride, view.column_stride, false}, 0, n);
+    if (!check.good) fail_body_not_finite(outline_, body);
+    placed.box = {check.low, check.high};
+    for (const Vec3d& p : points) placed.in_range &= in_double_word_range(p);
     placed.points = points.data();
-    placed.vertex_count = static_cast<std::int64_t>(points.size());
+    placed.vertex_count = n;
     return placed;
+}
+
+bool ClosedBodies::may_enclose(std::int32_t a, std::int32_t b) const {
+    return has_component_in_box(a, b) || has_component_in_box(b, a);
+}
+
+// True if the first vertex of some component of `body` lies in the box of `other`.
+bool ClosedBodies::has_component_in_box(std::int32_t body, std::int32_t other) const {
+    const VertexReader position = reader_of(outline_.shape(body));
+    const Placement pose = outline_.placement(body);
+    const ClosedSurface& its = surface(body);
+    const Array<std::int32_t>& first = its.components();
+    for (std::size_t c = 0; c + 1 < first.size(); ++c) {
+        const Vec3d p = pose(position(its.vertex_at_place(first[c])));
+        if (overlap(Bounds{p, p}, box(other))) return true;
+    }
+    return false;
 }
 
 }  // namespace crumple

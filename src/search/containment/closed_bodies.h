@@ -53,6 +53,8 @@ class ClosedBodies {
     /// Returns the surface of a body under its pose; `points` gets the posed vertices and must outlive the result.
     /// O(vertices). Throws Error (not_finite) if the pose makes a coordinate infinite.
     PlacedSurface place(std::int32_t body, Array<Vec3d>& points) const;
+    /// False if, because of the bodies' boxes, no component of one body can lie inside the other. O(components).
+    bool may_enclose(std::int32_t a, std::int32_t b) const;
     /// Returns an empty array, counted by the meter, for the points of place().
     Array<Vec3d> metered_points() const { return Array<Vec3d>(&meter_); }
 
@@ -68,6 +70,7 @@ class ClosedBodies {
         return *surfaces_[static_cast<std::size_t>(outline_.body(body).shape)];
     }
     void read_surfaces(ParallelFor& workers, bool weld);
+    bool has_component_in_box(std::int32_t body, std::int32_t other) const;
 
     MemoryMeter& meter_;
     Cancellation& cancellation_;

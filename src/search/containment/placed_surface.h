@@ -14,9 +14,11 @@ namespace crumple {
 
 /// True if all coordinates are 0 or have a magnitude in the range of double-double arithmetic, 2^-150 to 2^150.
 inline bool in_double_word_range(const Vec3d& p) {
-    for (int axis = 0; axis < 3; ++axis)
-        if (p[axis] != 0 && !(std::abs(p[axis]) >= 0x1p-150 && std::abs(p[axis]) <= 0x1p150)) return false;
-    return true;
+    const auto is_in_range = [](double x) {
+        const double size = std::abs(x);
+        return (size == 0) | ((size >= 0x1p-150) & (size <= 0x1p150));  // without branches
+    };
+    return is_in_range(p.x) & is_in_range(p.y) & is_in_range(p.z);
 }
 
 /// View of a surface under a body's pose.

@@ -350,8 +350,9 @@ const SurfaceTree& OverlapSearch::tree_of(std::int32_t body) {
 OverlapRow OverlapSearch::row_of(const Candidate& candidate, bool& was_exact) {
     Array<Vec3d> points_a = bodies_.metered_points(), points_b = bodies_.metered_points();
     const auto [first, second] = candidate.bodies;
-    const PlacedSurface a = bodies_.place(first, points_a);
     const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
+    if (pairs.empty() && first != second && !bodies_.may_enclose(first, second)) return {};
+    const PlacedSurface a = bodies_.place(first, points_a);
     OverlapOfBodies overlap(*host_, host_->overlap_kernels(), meter_, cancellation_);
     const bool numbers = query_.output == Output::pairs;
     OverlapOfBodies::Request request{.numbers = numbers,

@@ -22,7 +22,7 @@ bool OverlapOfBodies::has_volume_of(std::size_t side, const Scaled& volume) {
     if (is_inside(side)) return true;
     int least_sign = -1, greatest_sign = 1;  // possible signs of the body's volume
     if (in_range()) {
-        const VolumeBounds own = bounds_of_volume(body(side), sums_.surfaces.origin);
+        const VolumeBounds own = bounds_of_volume(body(side));
         const double size = 6 * std::abs(volume.value());
         const double least = std::max(std::max(own.low, -own.high), 0.0), most = std::max(own.high, -own.low);
         if (size * (1 + 0x1p-50) < least || size * (1 - 0x1p-50) > most) return false;

@@ -13,20 +13,17 @@ namespace crumple {
 struct VolumeBounds {
     double low = 0, high = 0;
 };
-inline VolumeBounds bounds_of_volume(const PlacedSurface& body, const Vec3d& origin) {
-    double sum = 0, magnitude = 0;
+inline VolumeBounds bounds_of_volume(const PlacedSurface& body) {
     const std::int32_t faces = body.surface->face_count();
+    const Vec3d origin = 0.5 * body.box.low + 0.5 * body.box.high, extent = body.box.high - body.box.low;
+    double sum = 0;
     for (std::int32_t f = 0; f < faces; ++f) {
-        const FaceCorners p = body.corners(f);
-        const Vec3d x = p[0] - origin, y = p[1] - origin, z = p[2] - origin;
-        sum += dot(x, cross(y, z));
-        const Vec3d size_x = abs(x), size_y = abs(y), size_z = abs(z);
-        magnitude += size_x.x * (size_y.y * size_z.z + size_y.z * size_z.y) +
-                     size_x.y * (size_y.z * size_z.x + size_y.x * size_z.z) +
-                     size_x.z * (size_y.x * size_z.y + size_y.y * size_z.x);
+        const std::int32_t* c = body.surface->corners(f);
+        sum += dot(body.points[c[0]] - origin, cross(body.points[c[1]] - origin, body.points[c[2]] - origin));
     }
-    // Each term is rounded at most eight times, and the sum once per face.
-    const double error = 0x1p-52 * (faces + 16) * magnitude;
+    // Each of the six products of a term is at most the volume of the box, and rounded at most eight times; the sum is
+    // rounded once per face.
+    const double error = 0x1p-52 * (faces + 16) * (6.0 * faces) * (extent.x * extent.y * extent.z);
     return {sum - error, sum + error};
 }
 
