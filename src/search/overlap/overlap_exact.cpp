@@ -57,8 +57,8 @@ void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) 
     if (!segment.in_volume) return;
     const std::array<FaceCorners, 2> face{surfaces_.corners_a(segment), surfaces_.corners_b(segment)};
     const IntegerUnit unit = unit_of(surfaces_, face[0], face[1]);
-    const ExactPoint start = unit.at(CrossingEdge(surfaces_, segment, segment.start)),
-                     end = unit.at(CrossingEdge(surfaces_, segment, segment.end));
+    const ExactPoint start = unit.at(crossing_edge(surfaces_, segment, segment.start)),
+                     end = unit.at(crossing_edge(surfaces_, segment, segment.end));
     unit.add_cone(unit.at(face[0][0]), start, end, 1, totals);
     unit.add_cone(unit.at(face[1][0]), end, start, 1, totals);
     const auto add_edge = [&](const SegmentEnd& of, const ExactPoint& point) {
@@ -72,8 +72,8 @@ void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) 
 void ExactTerms::add(const Segment& segment, CurveTotals<RationalSum>& totals) const {
     if (segment.times == 0) return;
     const IntegerUnit unit = unit_of(surfaces_, surfaces_.corners_a(segment), surfaces_.corners_b(segment));
-    const auto [s, v] = unit.at(CrossingEdge(surfaces_, segment, segment.start));
-    const auto [e, w] = unit.at(CrossingEdge(surfaces_, segment, segment.end));
+    const auto [s, v] = unit.at(crossing_edge(surfaces_, segment, segment.start));
+    const auto [e, w] = unit.at(crossing_edge(surfaces_, segment, segment.end));
     const Integer both = v * w, times = segment.times;
     unit.add(times * cross(s, e), both, 2, totals.area);
     // Term of the torque for a segment from s/v to e/w: (e/w − s/v) ((s/v)² + (s/v) (e/w) + (e/w)²)

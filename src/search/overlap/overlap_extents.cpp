@@ -46,7 +46,7 @@ void ExtentSearch::for_each_end(Act act) const {
         cancellation_.check();
         const SegmentEnd& end = segment.end;
         const FaceCorners of = surfaces_.corners(end.side, end.side == 0 ? segment.a : segment.b);
-        act(of[end.edge], of[next_corner(end.edge)], [&] { return CrossingEdge(surfaces_, segment, end); });
+        act(of[end.edge], of[next_corner(end.edge)], [&] { return crossing_edge(surfaces_, segment, end); });
     }
 }
 

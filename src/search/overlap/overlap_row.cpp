@@ -111,10 +111,12 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
     constexpr std::size_t chunk = 1024;
     std::vector<CrossedPairs> parts((pairs_.size() + chunk - 1) / chunk);
     const bool quick = in_range();
+    const auto on_device = sums_.on_device.crossings;
     const int once = self_ == 0 ? 1 : 0;  // a body with itself has no curves
     const auto cross = [&](std::size_t part) {
         cancellation_.check();
         CrossedPairs& crossed = parts[part];
+        bool summed = false;  // true if a device has summed the terms of the current pair
         const auto add = [&](const Pair& pair, const DecidedCrossing& crossing, Shift shift, int times) {
             const bool forward = shift == Shift::forward;
             auto& steps = crossed.steps[forward ? 0 : 1];
@@ -127,10 +129,11 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             segment.a = pair.a, segment.b = pair.b;
             segment.in_volume = forward;
             segment.times = static_cast<std::int8_t>(times);
+            segment.summed = summed;
             crossed.segments.push_back(segment);
         };
         const auto add_pair = [&](const Pair& pair, const DecidedCrossings& both) {
-            add(pair, both.forward, Shift::forward, both.tied ? once : 2 * once);
+            add(pair, both.forward, Shift::forward, once * times_in_curves(both.tied));
             if (both.tied || gradient) add(pair, both.backward, Shift::backward, both.tied ? once : 0);
             if (both.coplanar && (self_ == 0 || pair.a < pair.b)) crossed.coplanar.push_back(pair);
         };
@@ -138,6 +141,11 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
         std::optional<CrossedFace> a;
         for (std::size_t i = part * chunk; i < end; ++i) {
             const Pair& pair = pairs_[i];
+            if (!on_device.empty()) {
+                summed = !on_device[i].uncertain();
+                add_pair(pair, on_device[i].unpack());
+                continue;
+            }
             const FaceCorners p = body(0).corners(pair.a), q = body(1).corners(pair.b);
             if (!quick) {
                 add_pair(pair, decide_crossings(p, q));
@@ -229,6 +237,8 @@ void OverlapOfBodies::count_crossed_faces(const Segment& segment, std::array<std
 OverlapSums OverlapOfBodies::sums_of_surfaces() const {
     OverlapSums sums(workers_, kernels_, cancellation_);
     sums.surfaces = sums_.surfaces;
+    sums.on_device.device = sums_.on_device.device;
+    sums.on_device.surface = sums_.on_device.surface;
     sums.numbers = false;
     return sums;
 }
