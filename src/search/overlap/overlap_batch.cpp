@@ -50,8 +50,11 @@ bool OverlapBatch::cross(OverlapDevice& device, std::span<const Row> rows, bool 
             surfaces.push_back({{placed.points, static_cast<std::size_t>(placed.vertex_count)},
                                 {placed.surface->corners(0), 3 * index(placed.surface->face_count())}});
         }
-        memory_.add(pairs_.size() * (sizeof(Pair) + sizeof(PackedCrossings) + sizeof(SegmentTerms) / 64));
-        if (!rows_.empty() && device.cross(surfaces, rows_, pairs_, numbers, crossings_)) return true;
+        memory_.add(pairs_.size() * (sizeof(Pair) + sizeof(PackedCrossings)));
+        if (!rows_.empty() && device.cross(surfaces, rows_, pairs_, numbers, crossings_)) {
+            memory_.add(bytes_of(crossings_.sums));
+            return true;
+        }
     } catch (const MemoryMeter::Exceeded&) {
     }
     surfaces_.clear();
