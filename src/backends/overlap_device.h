@@ -41,8 +41,9 @@ class OverlapDevice {
    public:
     virtual ~OverlapDevice() = default;
 
-    /// Return the numbers of pairs and of faces from which on a device is worthwhile.
-    virtual std::size_t least_pairs() const = 0;
+    /// Returns the number of pairs from which on cross() is worthwhile, for surfaces of this size.
+    virtual std::size_t least_pairs(std::size_t points, std::size_t faces) const = 0;
+    /// Returns the number of faces from which on add_faces() is worthwhile.
     virtual std::size_t least_faces() const = 0;
 
     /// Decides the pairs of a batch, and sums over their segments. `numbers`: false if only volumes are needed. Returns

@@ -14,7 +14,7 @@ from pathlib import Path
 # Most bytes of a thread's stack, including spills, by a part of the kernel's name. Kernels with large budgets use
 # expansions, but for few pairs only. The sweep spills only convergence barriers. The filters index corners of records at
 # run time, which takes stack.
-STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "close_kernel": 8192, "crossing_kernel": 8192, "segments_kernel": 512,
+STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "close_kernel": 8192, "crossing_kernel": 8192, "segments_kernel": 640,
          "decide_kernel": 896, "codimensional_tests_kernel": 576, "list_kernel": 80, "pair_kernel": 96, "within_kernel": 96, "filter_kernel": 256, "frame_kernel": 256,
          "sweep_kernel": 32}
 OTHER_STACKS = 16

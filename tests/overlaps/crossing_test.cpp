@@ -7,6 +7,7 @@
 #include "exact/overlap/exact_crossing.h"
 #include "exact/overlap/filtered_crossing.h"
 #include "exact/overlap/packed_crossings.h"
+#include "exact/overlap/rounded_parameter.h"
 #include "geometry/random_pairs.h"
 
 namespace crumple {
@@ -109,6 +110,32 @@ TEST_P(CrossingOfEachKind, exchanged_faces_cross_alike) {
         EXPECT_EQ(one.jumps.b, other.jumps.a) << pair;
         EXPECT_EQ(one.a, other.b) << pair;
         EXPECT_EQ(one.b, other.a) << pair;
+    }
+}
+
+TEST_P(CrossingOfEachKind, rounded_parameters_and_points_are_within_their_error_bounds) {
+    const FloatEnvironment environment;
+    int bounded = 0;
+    for (int round = 0; round < rounds(); ++round) {
+        const TrianglePair pair = random();
+        if (!in_range(pair.a) || !in_range(pair.b)) continue;
+        const auto& p = pair.a.point;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3d &from = p[k], &to = p[next_corner(k)];
+            const RoundedParameter t = rounded_parameter(from, to, pair.b.point);
+            if (!std::isfinite(t.error)) continue;
+            ++bounded;
+            const Rational exact = edge_parameter(from, to, pair.b.point);
+            ASSERT_LE(abs(Rational(t.value) - exact), Rational(t.error)) << pair;
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto x = RoundedNumber::between(from[axis], to[axis], t);
+                const Rational point = Rational(from[axis]) + exact * (Rational(to[axis]) - Rational(from[axis]));
+                ASSERT_LE(abs(Rational(x.value) - point), Rational(x.error)) << pair;
+            }
+        }
+    }
+    if (has_segments()) {
+        EXPECT_GT(bounded, 0);
     }
 }
 

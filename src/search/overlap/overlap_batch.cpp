@@ -37,12 +37,17 @@ std::vector<Pair> pairs_within(const ClosedSurface& surface, std::span<const Pai
 
 bool OverlapBatch::cross(OverlapDevice& device, std::span<const Row> rows, bool numbers, ParallelFor& workers) {
     of_row_.assign(rows.size(), -1);
-    std::size_t count = 0;
+    list_bodies(rows);
+    std::size_t count = 0, points = 0, faces = 0;
     for (const Row& row : rows) count += row.pairs.size();
-    if (count < device.least_pairs()) return false;
+    for (const std::int32_t body : numbers_) {
+        points += static_cast<std::size_t>(bodies_.outline().shape(body).vertices.rows);
+        faces += index(bodies_.surface(body).face_count());
+    }
+    if (count < device.least_pairs(points, faces)) return false;
     device_ = &device;
     try {
-        place(rows, workers);
+        place(workers);
         list_pairs(rows);
         std::vector<DeviceSurface> surfaces;
         for (const auto& surface : surfaces_) {
@@ -62,12 +67,14 @@ bool OverlapBatch::cross(OverlapDevice& device, std::span<const Row> rows, bool 
     return false;
 }
 
-// Poses the bodies of rows with pairs.
-void OverlapBatch::place(std::span<const Row> rows, ParallelFor& workers) {
+void OverlapBatch::list_bodies(std::span<const Row> rows) {
     for (const Row& row : rows)
         if (!row.pairs.empty()) numbers_.insert(numbers_.end(), {row.bodies.first, row.bodies.second});
     std::sort(numbers_.begin(), numbers_.end());
     numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
+}
+
+void OverlapBatch::place(ParallelFor& workers) {
     for (std::size_t i = 0; i < numbers_.size(); ++i)
         surfaces_.push_back(std::make_unique<Surface>(Surface{bodies_.metered_points(), {}}));
     workers.parallel_for(numbers_.size(), [&](std::size_t i) {

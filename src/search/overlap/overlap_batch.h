@@ -53,7 +53,8 @@ class OverlapBatch {
     };
     static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-    void place(std::span<const Row> rows, ParallelFor& workers);
+    void list_bodies(std::span<const Row> rows);
+    void place(ParallelFor& workers);
     void list_pairs(std::span<const Row> rows);
 
     const ClosedBodies& bodies_;

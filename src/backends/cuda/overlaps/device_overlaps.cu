@@ -4,7 +4,7 @@
 
 namespace crumple::cuda {
 
-std::size_t least_crossed_pairs = 1024, least_summed_faces = 16384;
+std::size_t least_crossed_pairs = 1024, surface_bytes_per_pair = 512, least_summed_faces = 16384;
 
 namespace {
 

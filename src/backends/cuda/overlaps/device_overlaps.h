@@ -16,15 +16,19 @@
 
 namespace crumple::cuda {
 
-/// Numbers of pairs and of faces from which on the device is used. These are estimates: for a pair the host takes 0.2
-/// to 0.5 us on one thread, for a face some 10 ns; a call takes some 50 us. Only tests change them.
-extern std::size_t least_crossed_pairs, least_summed_faces;
+/// Numbers of pairs and of faces from which on the device is used, plus one pair for so many bytes of surfaces, which
+/// are uploaded. These are estimates: on one thread the host takes 0.2 us for a pair and some 10 ns for a face; a call
+/// takes some 50 us, an upload 1 ms for 10 MB. Only tests change them.
+extern std::size_t least_crossed_pairs, surface_bytes_per_pair, least_summed_faces;
 
 class DeviceOverlaps final : public OverlapDevice {
    public:
     explicit DeviceOverlaps(BackendState& state) : state_(state), surfaces_(state.meter), lists_(state.meter) {}
 
-    std::size_t least_pairs() const override { return least_crossed_pairs; }
+    std::size_t least_pairs(std::size_t points, std::size_t faces) const override {
+        const std::size_t bytes = points * sizeof(Vec3d) + 3 * faces * sizeof(std::int32_t);
+        return least_crossed_pairs + bytes / surface_bytes_per_pair;
+    }
     std::size_t least_faces() const override { return least_summed_faces; }
     bool cross(std::span<const DeviceSurface> surfaces, std::span<const CrossedRow> rows, std::span<const Pair> pairs,
                bool numbers, BatchCrossings& crossings) override;
