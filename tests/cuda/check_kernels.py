@@ -15,8 +15,8 @@ from pathlib import Path
 # expansions, but for few pairs only. The sweep spills only convergence barriers. The filters index corners of records at
 # run time, which takes stack.
 STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "close_kernel": 8192, "crossing_kernel": 8192, "segments_kernel": 640,
-         "decide_kernel": 896, "codimensional_tests_kernel": 576, "list_kernel": 80, "pair_kernel": 96, "within_kernel": 96, "filter_kernel": 256, "frame_kernel": 256,
-         "sweep_kernel": 32}
+         "decide_kernel": 896, "codimensional_tests_kernel": 576, "list_kernel": 80, "pair_kernel": 96, "within_kernel": 96,
+         "filter_kernel": 256, "frame_kernel": 256, "sweep_kernel": 32}
 OTHER_STACKS = 16
 # Most registers of a thread, by a part of the kernel's name; the first name that matches counts. With 32 registers eight
 # blocks of 256 threads fit on a multiprocessor, with 40 six, 48 five, 64 four, 80 three. Kernels of feature queries read
