@@ -45,10 +45,10 @@ fi
 if [[ -x build/tests/ptx/ptx_kernels_test ]]; then
     for architecture in 75 80 90 100 110 120; do
         files=()
-        for source in backends/cuda/intersections/intersection_narrow backends/cuda/intersections/device_contacts backends/cuda/features/feature_narrow; do
+        for source in intersections/intersection_narrow intersections/device_contacts features/feature_narrow overlaps/crossing_terms; do
             files+=("build/tests/ptx/${source//\//_}_$architecture.ptx")
             nvcc -std=c++20 --fmad=false --expt-relaxed-constexpr -I include -I src "-arch=compute_$architecture" -ptx \
-                -o "${files[-1]}" "src/$source.cu"
+                -o "${files[-1]}" "src/backends/cuda/$source.cu"
         done
         CRUMPLE_PTX=$(IFS=:; echo "${files[*]}") build/tests/ptx/ptx_kernels_test --gtest_brief=1
     done

@@ -443,8 +443,8 @@ class OverlapQuery(Query):
 
     Notes
     -----
-    With the cuda backend, the device finds the triangles that intersect, and the host computes the rest. More in
-    docs/overlap.md.
+    With the cuda backend, the device finds the triangles that intersect, decides how they cross, and sums; the host
+    computes the rest. More in docs/overlap.md.
     """
 
     output: Literal["any", "any_by_world", "body_pairs", "pairs"] = "pairs"

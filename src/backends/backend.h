@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "backends/device_feature_calls.h"
+#include "backends/overlap_device.h"
 #include "backends/overlap_kernels.h"
 #include "base/cancellation.h"
 #include "base/parallel_for.h"
@@ -104,6 +105,9 @@ class BackendBase : public ParallelFor {
 
     /// Returns the kernels for sums over overlaps, or null if the backend has none.
     virtual const OverlapKernels* overlap_kernels() const { return nullptr; }
+
+    /// Returns the device for overlaps, or null if the backend has none.
+    virtual OverlapDevice* overlap_device() { return nullptr; }
 
     /// Swaps the cache of the previous call's scene with `memory`, which holds that of another scene or is null.
     virtual void swap_memory(std::unique_ptr<SceneMemory>&) {}

@@ -57,9 +57,18 @@ class FilteredPlane {
     /// Returns the side of a point, 1 or −1, or `undecided`. A monomial passes eight roundings: three differences, two
     /// products, a difference, two sums.
     CRUMPLE_HD int side(const Vec3d& p) const {
+        const Distance from_plane = distance(p);
+        return detail::certain_sign(from_plane.value, from_plane.error);
+    }
+
+    /// Distance from the plane, times twice the triangle's area, and a bound on its error.
+    struct Distance {
+        double value, error;
+    };
+    CRUMPLE_HD Distance distance(const Vec3d& p) const {
         const Vec3d d = p - origin_, size = abs(d);
-        return detail::certain_sign(dot(normal_, d), 9 * detail::epsilon * dot(magnitude_, size) +
-                                                         detail::slack * (size.x + size.y + size.z + 1));
+        return {dot(normal_, d),
+                9 * detail::epsilon * dot(magnitude_, size) + detail::slack * (size.x + size.y + size.z + 1)};
     }
 
     /// Returns the axis along which the triangle's projection is largest; any axis if the triangle is very small.

@@ -9,6 +9,7 @@
 
 #include "base/disjoint_sets.h"
 #include "exact/overlap/enclosed_parameter.h"
+#include "exact/overlap/rounded_parameter.h"
 #include "results/overlap_face_loops.h"
 #include "results/overlap_sheets.h"
 #include "scene/placement.h"
@@ -26,11 +27,19 @@ struct EdgeEnd {
     bool upward;  ///< true if that face traverses the edge from `low` to `high`
 
     auto edge_key() const { return std::tie(side, low, high); }
-    auto crossing() const { return std::tie(side, low, high, crossed); }
+    /// Keys in the order of (side, low, high) and of (crossed, segment).
+    std::array<std::uint64_t, 2> keys() const {
+        const auto bits = [](std::int32_t x) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)); };
+        return {std::uint64_t{side} << 62 | bits(low) << 31 | bits(high), bits(crossed) << 32 | bits(segment)};
+    }
 };
 
-/// Number of segments on a face up to which boxes that are not tight are sufficient.
+/// Number of segments on a face up to which boxes that are not tight are sufficient, and all pairs may be compared.
 constexpr std::size_t most_in_loose_boxes = 16;
+/// Number of segments on a face up to which all pairs are compared: most are on sheets with a common edge.
+constexpr std::size_t most_without_boxes = 4;
+/// Error of parameters in float64 up to which boxes are tight; otherwise double words compute them.
+constexpr double largest_error_of_tight_boxes = 0x1p-40;
 
 class RegionFinder {
    public:
@@ -59,6 +68,7 @@ class RegionFinder {
     }
 
    private:
+    EdgeEnd edge_end(std::size_t segment, bool start) const;
     void list_ends();
     void sort_along_edge(std::size_t begin, std::size_t end);
     CrossedEdge crossed_edge(const EdgeEnd& end) const;
@@ -68,6 +78,7 @@ class RegionFinder {
     void join_within_faces(std::size_t side);
     void join_crossing_sheets(std::size_t side, std::span<const std::int32_t> on_face);
     Bounds box_of(std::int32_t segment, bool tight) const;
+    int common_vertices(std::size_t side, std::int32_t face, std::int32_t other) const;
     bool sheets_cross(std::size_t side, const Segment& s, const Segment& t) const;
     void join_loops(std::size_t side, std::span<const std::int32_t> on_face);
     std::vector<const EdgeEnd*> crossings_of(std::size_t side, std::int32_t from, std::int32_t to) const;
@@ -106,24 +117,38 @@ class RegionFinder {
     std::array<std::vector<std::uint8_t>, 2> crossed_;  ///< by surface and face: bit k is set if its edge k is crossed
 };
 
+EdgeEnd RegionFinder::edge_end(std::size_t i, bool start) const {
+    const Segment& segment = in_.segments[i];
+    const SegmentEnd& end = start ? segment.start : segment.end;
+    const std::int32_t own = end.side == 0 ? segment.a : segment.b, other = end.side == 0 ? segment.b : segment.a;
+    const std::int32_t* vertex = in_.corners[end.side] + 3 * std::ptrdiff_t{own};
+    const std::int32_t from = vertex[end.edge], to = vertex[next_corner(end.edge)];
+    return {end.side,
+            std::min(from, to),
+            std::max(from, to),
+            other,
+            static_cast<std::int32_t>(i),
+            from < to ? end.jump : -end.jump,
+            own,
+            end.edge,
+            from < to};
+}
+
+// Sorts short keys instead of the ends.
 void RegionFinder::list_ends() {
     for (std::size_t side = 0; side < 2; ++side) crossed_[side].assign(in_.face_count[side], 0);
-    ends_.reserve(2 * in_.segments.size());
-    for (std::size_t i = 0; i < in_.segments.size(); ++i) {
-        const Segment& segment = in_.segments[i];
-        for (const SegmentEnd& end : {segment.start, segment.end}) {
-            const std::int32_t own = end.side == 0 ? segment.a : segment.b,
-                               other = end.side == 0 ? segment.b : segment.a;
-            const std::int32_t* vertex = in_.corners[end.side] + 3 * std::ptrdiff_t{own};
-            const std::int32_t from = vertex[end.edge], to = vertex[next_corner(end.edge)];
-            ends_.push_back({end.side, std::min(from, to), std::max(from, to), other, static_cast<std::int32_t>(i),
-                             from < to ? end.jump : -end.jump, own, end.edge, from < to});
-            crossed_[end.side][static_cast<std::size_t>(own)] |= static_cast<std::uint8_t>(1 << end.edge);
+    using Key = std::pair<std::array<std::uint64_t, 2>, bool>;  // of an end, and true if it is a start
+    std::vector<Key> order;
+    order.reserve(2 * in_.segments.size());
+    for (std::size_t i = 0; i < in_.segments.size(); ++i)
+        for (const bool start : {true, false}) {
+            const EdgeEnd end = edge_end(i, start);
+            order.emplace_back(end.keys(), start);
+            crossed_[end.side][static_cast<std::size_t>(end.face)] |= static_cast<std::uint8_t>(1 << end.edge);
         }
-    }
-    std::sort(ends_.begin(), ends_.end(), [](const EdgeEnd& x, const EdgeEnd& y) {
-        return std::tuple_cat(x.crossing(), std::tie(x.segment)) < std::tuple_cat(y.crossing(), std::tie(y.segment));
-    });
+    std::sort(order.begin(), order.end());
+    ends_.reserve(order.size());
+    for (const auto& [keys, start] : order) ends_.push_back(edge_end(keys[1] & 0xffffffff, start));
 }
 
 CrossedEdge RegionFinder::crossed_edge(const EdgeEnd& end) const {
@@ -146,10 +171,15 @@ CrossedEdge RegionFinder::crossed_edge(const Segment& segment, const SegmentEnd&
 void RegionFinder::sort_along_edge(std::size_t begin, std::size_t end) {
     struct Crossing {
         CrossedEdge edge;
-        Enclosed parameter;
+        RoundedParameter parameter;
         std::int32_t crossed;
-        std::optional<ShiftedNumber> exact = {};  ///< the parameter, once it is needed
+        std::optional<Enclosed> enclosed = {};  ///< more precise parameters, once they are needed
+        std::optional<ShiftedNumber> exact = {};
 
+        const Enclosed& precise_parameter() {
+            if (!enclosed) enclosed = enclosed_parameter(edge.from, edge.to, edge.face);
+            return *enclosed;
+        }
         const ShiftedNumber& exact_parameter() {
             if (!exact) exact = shifted_parameter(edge);
             return *exact;
@@ -161,7 +191,7 @@ void RegionFinder::sort_along_edge(std::size_t begin, std::size_t end) {
         if (i > begin && ends_[i].crossed == ends_[i - 1].crossed) continue;
         Crossing& crossing = crossings.emplace_back(Crossing{crossed_edge(ends_[i]), {}, ends_[i].crossed});
         const CrossedEdge& edge = crossing.edge;
-        if (in_.in_range) crossing.parameter = enclosed_parameter(edge.from, edge.to, edge.face);
+        if (in_.in_range) crossing.parameter = rounded_parameter(edge.from, edge.to, edge.face);
     }
     std::vector<std::size_t> order(crossings.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -169,7 +199,9 @@ void RegionFinder::sort_along_edge(std::size_t begin, std::size_t end) {
         Crossing &x = crossings[i], &y = crossings[j];
         cancellation_.check();
         if (in_.in_range) {
-            const Enclosed difference = x.parameter - y.parameter;
+            const double rounded = x.parameter.value - y.parameter.value;
+            if (std::abs(rounded) > (1 + 0x1p-40) * (x.parameter.error + y.parameter.error)) return rounded < 0;
+            const Enclosed difference = x.precise_parameter() - y.precise_parameter();
             if (difference.magnitude() > (1 + 0x1p-40) * difference.error) return difference.value.high < 0;
         }
         const int sign = (x.exact_parameter() - y.exact_parameter()).sign();
@@ -244,11 +276,24 @@ void RegionFinder::join_within_faces(std::size_t side) {
 // Joins the segments on one face that cross, because the faces in which they lie cross. Sweeps over boxes of segments
 // along the axis on which their middles are spread most.
 void RegionFinder::join_crossing_sheets(std::size_t side, std::span<const std::int32_t> on_face) {
+    const auto join_if_crossing = [&](std::int32_t first, std::int32_t second) {
+        cancellation_.check();
+        const auto s = static_cast<std::size_t>(first), t = static_cast<std::size_t>(second);
+        if (!sheets_cross(side, in_.segments[s], in_.segments[t])) return;
+        join_segments_of_both(first, second);
+        merged_[s] = merged_[t] = 1;
+    };
+    if (on_face.size() <= most_without_boxes) {
+        for (std::size_t i = 0; i < on_face.size(); ++i)
+            for (std::size_t j = i + 1; j < on_face.size(); ++j) join_if_crossing(on_face[i], on_face[j]);
+        return;
+    }
     struct Sheet {
         Bounds box = no_bounds;
         std::int32_t segment;
     };
     std::vector<Sheet> sheets;
+    sheets.reserve(on_face.size());
     Bounds middles = no_bounds;
     for (const std::int32_t s : on_face) {
         Sheet& sheet = sheets.emplace_back(Sheet{box_of(s, on_face.size() > most_in_loose_boxes), s});
@@ -262,12 +307,7 @@ void RegionFinder::join_crossing_sheets(std::size_t side, std::span<const std::i
     for (std::size_t i = 0; i < sheets.size(); ++i) {
         cancellation_.check();
         for (std::size_t j = i + 1; j < sheets.size() && sheets[j].box.low[axis] <= sheets[i].box.high[axis]; ++j) {
-            if (!overlap(sheets[i].box, sheets[j].box)) continue;
-            cancellation_.check();
-            const auto s = static_cast<std::size_t>(sheets[i].segment), t = static_cast<std::size_t>(sheets[j].segment);
-            if (!sheets_cross(side, in_.segments[s], in_.segments[t])) continue;
-            join_segments_of_both(sheets[i].segment, sheets[j].segment);
-            merged_[s] = merged_[t] = 1;
+            if (overlap(sheets[i].box, sheets[j].box)) join_if_crossing(sheets[i].segment, sheets[j].segment);
         }
     }
 }
@@ -285,6 +325,15 @@ Bounds RegionFinder::box_of(std::int32_t segment, bool tight) const {
             box.high = max(box.high, min(max(edge.from, edge.to), max(p, max(q, r))));
             continue;
         }
+        const RoundedParameter rounded = rounded_parameter(edge.from, edge.to, edge.face);
+        if (rounded.error <= largest_error_of_tight_boxes) {
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto x = RoundedNumber::between(edge.from[axis], edge.to[axis], rounded);
+                box.low[axis] = min(box.low[axis], x.value - x.error);
+                box.high[axis] = max(box.high[axis], x.value + x.error);
+            }
+            continue;
+        }
         const Enclosed t = enclosed_parameter(edge.from, edge.to, edge.face);
         for (int axis = 0; axis < 3; ++axis) {
             const Enclosed x = Enclosed(edge.from[axis]) + t * Enclosed::difference(edge.to[axis], edge.from[axis]);
@@ -296,11 +345,21 @@ Bounds RegionFinder::box_of(std::int32_t segment, bool tight) const {
     return box;
 }
 
+int RegionFinder::common_vertices(std::size_t side, std::int32_t face, std::int32_t other) const {
+    const std::int32_t *v = in_.corners[side] + 3 * std::ptrdiff_t{face},
+                       *w = in_.corners[side] + 3 * std::ptrdiff_t{other};
+    int common = 0;
+    for (std::size_t k = 0; k < 3; ++k) common += v[k] == w[0] || v[k] == w[1] || v[k] == w[2];
+    return common;
+}
+
 // True if two segments on one face of surface `side` cross: if the ends of each are on different sides of the other
 // one's sheet, the face of the other surface.
 bool RegionFinder::sheets_cross(std::size_t side, const Segment& s, const Segment& t) const {
     const std::size_t of = 1 - side;
-    const FaceOfSurface one = in_.face(of, side == 0 ? s.b : s.a), other = in_.face(of, side == 0 ? t.b : t.a);
+    const std::int32_t sheet = side == 0 ? s.b : s.a, other_sheet = side == 0 ? t.b : t.a;
+    if (common_vertices(of, sheet, other_sheet) >= 2) return false;  // before coordinates are read
+    const FaceOfSurface one = in_.face(of, sheet), other = in_.face(of, other_sheet);
     if (!sheets_may_cross(one, other, in_.in_range)) return false;
     const auto parts = [&](const FaceCorners& plane, const Segment& segment) {
         std::array<ShiftedPoint, 3> q;
@@ -321,6 +380,14 @@ void RegionFinder::join_loops(std::size_t side, std::span<const std::int32_t> on
         return segment.start.side == side || segment.end.side == side;
     };
     if (std::all_of(on_face.begin(), on_face.end(), leaves_face)) return;
+    if (on_face.size() <= most_in_loose_boxes) {
+        const auto chain_leaves_face = [&](std::int32_t s) {
+            const std::int32_t chain = chains_[side].find(s);
+            return std::any_of(on_face.begin(), on_face.end(),
+                               [&](std::int32_t t) { return leaves_face(t) && chains_[side].find(t) == chain; });
+        };
+        if (std::all_of(on_face.begin(), on_face.end(), chain_leaves_face)) return;
+    }
     std::vector<std::int32_t> chains, at_edges;
     for (const std::int32_t s : on_face) {
         chains.push_back(chains_[side].find(s));

@@ -19,15 +19,29 @@ inline int side_of_face(const FaceCorners& face, const Vec3d& p, bool in_range) 
     return dot(cross(q[1] - q[0], q[2] - q[0]), q[3] - q[0]).sign();
 }
 
-/// True if an edge of one face passes through another face of the same surface, or may do so once the faces are in
-/// general position: edges at common vertices do not.
-inline bool edges_pierce(const FaceOfSurface& edges, const FaceOfSurface& face, bool in_range) {
+/// Sides of the corners of one face relative to the plane of another face of the same surface; 0 for common vertices.
+struct CornerSides {
     std::array<int, 3> side{};
     std::array<bool, 3> common{};
-    for (std::size_t k = 0; k < 3; ++k) {
-        common[k] = std::count(face.vertex.begin(), face.vertex.end(), edges.vertex[k]) != 0;
-        side[k] = common[k] ? 0 : side_of_face(face.corner, edges.corner[k], in_range);
+
+    CornerSides(const FaceOfSurface& of, const FaceOfSurface& face, bool in_range) {
+        const FilteredPlane plane(face.corner);
+        for (std::size_t k = 0; k < 3; ++k) {
+            common[k] = std::count(face.vertex.begin(), face.vertex.end(), of.vertex[k]) != 0;
+            if (common[k]) continue;
+            side[k] = in_range ? plane.side(of.corner[k]) : undecided;
+            if (side[k] == undecided) side[k] = side_of_face(face.corner, of.corner[k], in_range);
+        }
     }
+    /// True if all corners are on one side, so that the faces have no common point.
+    bool apart() const { return side[0] != 0 && side[0] == side[1] && side[1] == side[2]; }
+};
+
+/// True if an edge of one face passes through another face of the same surface, or may do so once the faces are in
+/// general position: edges at common vertices do not.
+inline bool edges_pierce(const FaceOfSurface& edges, const CornerSides& sides, const FaceOfSurface& face,
+                         bool in_range) {
+    const auto& [side, common] = sides;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t next = next_corner(k);
         if (common[k] || common[next] || side[k] * side[next] > 0 || (side[k] == 0 && side[next] == 0)) continue;
@@ -42,11 +56,13 @@ inline bool edges_pierce(const FaceOfSurface& edges, const FaceOfSurface& face, 
     return false;
 }
 
-/// True if two faces of one surface cross, or may do so. Faces with a common edge do not.
+/// True if two faces of one surface without a common edge cross, or may do so.
 inline bool sheets_may_cross(const FaceOfSurface& one, const FaceOfSurface& other, bool in_range) {
-    int common = 0;
-    for (const std::int32_t v : one.vertex) common += std::count(other.vertex.begin(), other.vertex.end(), v) != 0;
-    return common < 2 && (edges_pierce(one, other, in_range) || edges_pierce(other, one, in_range));
+    const CornerSides of_one(one, other, in_range);
+    if (of_one.apart()) return false;
+    const CornerSides of_other(other, one, in_range);
+    return !of_other.apart() &&
+           (edges_pierce(one, of_one, other, in_range) || edges_pierce(other, of_other, one, in_range));
 }
 
 }  // namespace crumple

@@ -14,15 +14,16 @@ from pathlib import Path
 # Most bytes of a thread's stack, including spills, by a part of the kernel's name. Kernels with large budgets use
 # expansions, but for few pairs only. The sweep spills only convergence barriers. The filters index corners of records at
 # run time, which takes stack.
-STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "close_kernel": 8192, "decide_kernel": 896, "codimensional_tests_kernel": 576,
-         "list_kernel": 80, "pair_kernel": 96, "within_kernel": 96, "filter_kernel": 256, "frame_kernel": 256,
-         "sweep_kernel": 32}
+STACK = {"exact_kernel": 8192, "contact_kernel": 8192, "close_kernel": 8192, "crossing_kernel": 8192, "segments_kernel": 640,
+         "decide_kernel": 896, "codimensional_tests_kernel": 576, "list_kernel": 80, "pair_kernel": 96, "within_kernel": 96,
+         "filter_kernel": 256, "frame_kernel": 256, "sweep_kernel": 32}
 OTHER_STACKS = 16
 # Most registers of a thread, by a part of the kernel's name; the first name that matches counts. With 32 registers eight
 # blocks of 256 threads fit on a multiprocessor, with 40 six, 48 five, 64 four, 80 three. Kernels of feature queries read
 # six corners (a trajectory) per triangle, twice as many per pair. Those of candidates write a record of 64 words at once.
 REGISTERS = {"SeparatingAxisTest": 120, "FeatureMemberRows": 96, "CandidateMembers": 120, "widened_bounds": 72, "WidenedILi2": 72,
-             "exact_kernel": 255, "contact_kernel": 255, "close_kernel": 255, "decide_kernel": 255, "codimensional_tests_kernel": 80,
+             "exact_kernel": 255, "contact_kernel": 255, "close_kernel": 255, "decide_kernel": 255, "crossing_kernel": 255,
+             "segments_kernel": 255, "faces_kernel": 128, "codimensional_tests_kernel": 80,
              "list_kernel": 80, "pack_kernel": 64, "pair_kernel": 80, "within_kernel": 64, "sweep_kernel": 64,
              "filter_kernel": 80, "frame_kernel": 128, "DeviceScanKernel": 128, "bin_kernel": 48, "offsets_kernel": 56, "place_kernel": 72,
              "check_kernel": 40, "pose_kernel": 48, "bounds_kernel": 64, "members_kernel": 48}

@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <utility>
 #include <vector>
 
+#include "backends/cuda/overlaps/device_overlaps.h"
 #include "cuda/device_mesh.h"
 #include "cuda/device_world.h"
+#include "cuda_on_cpu/machine/launch.h"
 #include "cuda_on_cpu/machine/settings.h"
 #include "distances/compare_nearest.h"
 #include "error_of.h"
@@ -122,6 +126,127 @@ TEST(CudaHostParts, several_devices_match_the_cpu) {
         EXPECT_GT(rows, 5);
     }
     cuda_on_cpu::settings().devices = 1;
+}
+
+/// Sets the number of pairs, or of faces, from which on the device is used.
+class LeastOnDevice {
+   public:
+    LeastOnDevice(std::size_t& least, std::size_t value) : least_(least), before_(std::exchange(least, value)) {}
+    LeastOnDevice(const LeastOnDevice&) = delete;
+    LeastOnDevice& operator=(const LeastOnDevice&) = delete;
+    ~LeastOnDevice() { least_ = before_; }
+
+   private:
+    std::size_t& least_;
+    std::size_t before_;
+};
+constexpr std::size_t never = std::numeric_limits<std::size_t>::max();
+
+// The pairs of all rows are decided by one kernel, and their segments summed by another one. Sums over many faces take
+// a launch for each body.
+TEST(CudaHostParts, overlaps_add_two_launches_for_all_pairs_and_one_for_each_sum_over_faces) {
+    const ClosedBodies bodies = closed_bodies(3, 6, true, false);
+    const auto launches = [&](std::size_t least_pairs, std::size_t least_faces) {
+        const LeastOnDevice pairs(cuda::least_crossed_pairs, least_pairs), faces(cuda::least_summed_faces, least_faces);
+        Detector cuda({.backend = Backend::cuda});
+        for (int warm_up = 0; warm_up < 2; ++warm_up) cuda.find(bodies.view(), OverlapQuery());
+        const std::size_t before = cuda_on_cpu::work_count().launches;
+        EXPECT_GT(cuda.find(bodies.view(), OverlapQuery()).count, 1);
+        return cuda_on_cpu::work_count().launches - before;
+    };
+    const std::size_t search = launches(never, never);
+    EXPECT_EQ(launches(1, never), search + 2);
+    EXPECT_GT(launches(1, 1), search + 2);
+}
+
+// The search is done when the failure happens: all of its memory is allocated, and all of its kernels have run.
+TEST(CudaHostParts, missing_memory_or_a_failed_launch_leaves_the_sums_to_the_host) {
+    const ClosedBodies bodies = closed_bodies(5, 4, true, false);
+    Detector cpu({.backend = Backend::cpu});
+    ASSERT_GT(cpu.find(bodies.view(), OverlapQuery()).count, 2);
+    const auto matches = [&](Detector& cuda) {
+        return difference(cuda.find(bodies.view(), OverlapQuery()), cpu.find(bodies.view(), OverlapQuery())).empty();
+    };
+    for (int before = 0; before < 5; ++before) {
+        SCOPED_TRACE(before);
+        Detector cuda({.backend = Backend::cuda});
+        std::size_t launches = 0;
+        {
+            const LeastOnDevice pairs(cuda::least_crossed_pairs, never);
+            for (int warm_up = 0; warm_up < 2; ++warm_up) EXPECT_TRUE(matches(cuda));
+            const std::size_t begin = cuda_on_cpu::work_count().launches;
+            EXPECT_TRUE(matches(cuda));
+            launches = cuda_on_cpu::work_count().launches - begin;
+        }
+        cuda_on_cpu::settings().allocations_before_failure = before;
+        EXPECT_TRUE(matches(cuda));
+        cuda_on_cpu::settings().allocations_before_failure = -1;
+        cuda_on_cpu::settings().launches_before_failure = static_cast<int>(launches) + before;
+        EXPECT_TRUE(matches(cuda));
+        cuda_on_cpu::settings().launches_before_failure = -1;
+        EXPECT_TRUE(matches(cuda));
+    }
+}
+
+TEST(CudaHostParts, overlaps_under_a_memory_limit_match_the_cpu_or_name_a_larger_limit) {
+    const ClosedBodies bodies = closed_bodies(5, 4, true, false);
+    Detector cpu({.backend = Backend::cpu});
+    int results = 0;
+    for (std::int64_t limit = 1 << 25;; limit = limit * 3 / 4, ++results) {
+        Detector cuda({.backend = Backend::cuda, .memory_limit = limit});
+        try {
+            for (int call = 0; call < 2; ++call)
+                ASSERT_EQ(difference(cuda.find(bodies.view(), everything), cpu.find(bodies.view(), everything)), "");
+        } catch (const Error& error) {
+            ASSERT_EQ(error.code, ErrorCode::memory_limit);
+            EXPECT_GT(error.bytes_needed, limit);
+            break;
+        }
+    }
+    EXPECT_GE(results, 1);
+}
+
+/// Returns bodies whose coordinates are multiplied by `scale` and moved by `shift`.
+ClosedBodies changed(ClosedBodies bodies, double scale, double shift) {
+    for (auto& soup : bodies.soups)
+        for (auto& p : soup.vertices)
+            for (double& x : p) x = scale * x + shift;
+    for (std::size_t b = 0; b < bodies.soups.size(); ++b) bodies.shapes[b] = Shape(bodies.soups[b].view());
+    return bodies;
+}
+
+// Coordinates beyond 2^150 are left to the host. Those near 2^149 are not, nor are those that differ only in their last
+// bits, so that many terms are uncertain or cancel.
+TEST(CudaHostParts, overlaps_of_huge_tiny_and_distant_bodies_match_the_cpu) {
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    const OverlapQuery query{.self_overlaps = true, .curves = true};
+    std::int64_t rows = 0;
+    for (unsigned seed = 0; seed < 6; ++seed)
+        for (const auto& [scale, shift] : {std::pair{0x1p147, 0.0},
+                                           {0x1p160, 0.0},
+                                           {0x1p-140, 0.0},
+                                           {0x1p-200, 0.0},
+                                           {1.0 / 3, 0x1p50},
+                                           {0x1p-49, 1.0},
+                                           {1.0 / 3, 100.0}}) {
+            SCOPED_TRACE(seed);
+            SCOPED_TRACE(scale);
+            ClosedBodies bodies = changed(closed_bodies(seed, 4, seed % 2 == 0, false), scale, shift);
+            const Overlaps& found = cuda.find(bodies.view(), query);
+            EXPECT_EQ(difference(found, cpu.find(bodies.view(), query)), "");
+            rows += found.count;
+        }
+    EXPECT_GT(rows, 40);
+}
+
+TEST(CudaHostParts, mirrored_bodies_match_the_cpu) {
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    for (unsigned seed = 0; seed < 6; ++seed) {
+        SCOPED_TRACE(seed);
+        ClosedBodies bodies = closed_bodies(seed, 4, seed % 2 == 0, false);
+        bodies.poses[1] = {{-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0}};
+        EXPECT_EQ(difference(cuda.find(bodies.view(), everything), cpu.find(bodies.view(), everything)), "");
+    }
 }
 
 TEST(CudaHostParts, containment_of_device_meshes_is_rejected) {

@@ -6,6 +6,8 @@
 #include "base/float_environment.h"
 #include "exact/overlap/exact_crossing.h"
 #include "exact/overlap/filtered_crossing.h"
+#include "exact/overlap/packed_crossings.h"
+#include "exact/overlap/rounded_parameter.h"
 #include "geometry/random_pairs.h"
 
 namespace crumple {
@@ -33,6 +35,11 @@ class CrossingOfEachKind : public testing::TestWithParam<Kind> {
    protected:
     RandomPairs random{GetParam(), 23};
     int rounds() const { return rounds_of(GetParam(), 4'000); }
+    /// True for kinds with segments of which double words can compute the ends.
+    static bool has_segments() {
+        const bool has_range = GetParam() != Kind::huge && GetParam() != Kind::tiny && GetParam() != Kind::mixed;
+        return has_range && GetParam() < Kind::collapsed;
+    }
 };
 
 TEST_P(CrossingOfEachKind, signs_are_exact_and_error_bounds_hold_in_the_filters_range) {
@@ -65,9 +72,7 @@ TEST_P(CrossingOfEachKind, signs_are_exact_and_error_bounds_hold_in_the_filters_
             expect_enclosed(quick.end_in_b, exact.end_in_b);
         }
     }
-    const bool has_range = GetParam() != Kind::huge && GetParam() != Kind::tiny && GetParam() != Kind::mixed;
-    const bool has_insides = GetParam() < Kind::collapsed;
-    if (has_range && has_insides) {
+    if (has_segments()) {
         EXPECT_GT(segments, 0);
         EXPECT_GT(bounded, 0);
     }
@@ -105,6 +110,70 @@ TEST_P(CrossingOfEachKind, exchanged_faces_cross_alike) {
         EXPECT_EQ(one.jumps.b, other.jumps.a) << pair;
         EXPECT_EQ(one.a, other.b) << pair;
         EXPECT_EQ(one.b, other.a) << pair;
+    }
+}
+
+TEST_P(CrossingOfEachKind, rounded_parameters_and_points_are_within_their_error_bounds) {
+    const FloatEnvironment environment;
+    int bounded = 0;
+    for (int round = 0; round < rounds(); ++round) {
+        const TrianglePair pair = random();
+        if (!in_range(pair.a) || !in_range(pair.b)) continue;
+        const auto& p = pair.a.point;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3d &from = p[k], &to = p[next_corner(k)];
+            const RoundedParameter t = rounded_parameter(from, to, pair.b.point);
+            if (!std::isfinite(t.error)) continue;
+            ++bounded;
+            const Rational exact = edge_parameter(from, to, pair.b.point);
+            ASSERT_LE(abs(Rational(t.value) - exact), Rational(t.error)) << pair;
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto x = RoundedNumber::between(from[axis], to[axis], t);
+                const Rational point = Rational(from[axis]) + exact * (Rational(to[axis]) - Rational(from[axis]));
+                ASSERT_LE(abs(Rational(x.value) - point), Rational(x.error)) << pair;
+            }
+        }
+    }
+    if (has_segments()) {
+        EXPECT_GT(bounded, 0);
+    }
+}
+
+TEST_P(CrossingOfEachKind, packed_crossings_keep_everything) {
+    const FloatEnvironment environment;
+    int segments = 0;
+    const auto expect_same = [&](const DecidedCrossing& x, const DecidedCrossing& y) {
+        EXPECT_EQ(x.jumps.a, y.jumps.a);
+        EXPECT_EQ(x.jumps.b, y.jumps.b);
+        ASSERT_EQ(x.jumps.segment, y.jumps.segment);
+        if (!x.jumps.segment) return;
+        ++segments;
+        for (const auto end : {&Segment::start, &Segment::end}) {
+            const SegmentEnd &p = x.segment.*end, &q = y.segment.*end;
+            EXPECT_EQ(p.side, q.side);
+            EXPECT_EQ(p.edge, q.edge);
+            EXPECT_EQ(p.vertex, q.vertex);
+            EXPECT_EQ(p.jump, q.jump);
+        }
+    };
+    for (int round = 0; round < rounds(); ++round) {
+        const TrianglePair pair = random();
+        if (!in_range(pair.a) || !in_range(pair.b)) continue;
+        const CrossedFace a(pair.a.point), b(pair.b.point);
+        FilteredCrossingSigns signs(a, b);
+        const DecidedCrossings both = decide_crossings(signs);
+        PackedCrossings packed = PackedCrossings::pack(both);
+        EXPECT_FALSE(packed.uncertain());
+        packed.set_uncertain();
+        EXPECT_TRUE(packed.uncertain());
+        const DecidedCrossings found = packed.unpack();
+        expect_same(found.forward, both.forward);
+        expect_same(found.backward, both.backward);
+        EXPECT_EQ(found.tied, both.tied) << pair;
+        EXPECT_EQ(found.coplanar, both.coplanar) << pair;
+    }
+    if (has_segments()) {
+        EXPECT_GT(segments, 0);
     }
 }
 

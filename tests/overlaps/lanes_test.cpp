@@ -1,5 +1,5 @@
-// Compares what the kernels of each instruction set compute in SIMD lanes with rational arithmetic: signs that they
-// call known must be exact, and the error bounds of sums must hold.
+// Compares what the kernels of each instruction set compute in SIMD lanes, and threads of a device one by one, with
+// rational arithmetic: signs that they call known must be exact, and all error bounds of sums must hold.
 
 #include <gtest/gtest.h>
 
@@ -80,6 +80,19 @@ void expect_equal(const DecidedCrossing& found, const DecidedCrossing& exact) {
     }
 }
 
+void expect_enclosed(const Enclosed& found, const RationalSum& sum, double most) {
+    ASSERT_LE(found.error, most);
+    Cancellation none;
+    EXPECT_LE(abs(Rational(found.value.high) + Rational(found.value.low) - sum.total(none)), Rational(found.error));
+}
+void expect_enclosed(const Vec3<Enclosed>& found, const std::array<RationalSum, 3>& sums, double most) {
+    for (int axis = 0; axis < 3; ++axis) expect_enclosed(found[axis], sums[static_cast<std::size_t>(axis)], most);
+}
+void expect_enclosed(const VolumeTerms<Enclosed>& found, const VolumeTotals<RationalSum>& sums, double most) {
+    expect_enclosed(found.volume, sums.volume, most);
+    expect_enclosed(found.moment, sums.moment, most);
+}
+
 class SimdOverlapsOfEachKind : public testing::TestWithParam<Kind> {
    protected:
     RandomPairs random_{GetParam(), 31};
@@ -93,6 +106,45 @@ class SimdOverlapsOfEachKind : public testing::TestWithParam<Kind> {
         return true;
     }
     int rounds() const { return rounds_of(GetParam(), 20); }
+
+    /// Returns segments in which face i of the first surface crosses face i of the second one.
+    std::vector<Segment> segments_of(const SurfacePair& surfaces) {
+        std::vector<Segment> segments;
+        for (std::int32_t f = 0; f < surfaces.surface[0]->surface->face_count(); ++f) {
+            const CrossedFace p(surfaces.corners(0, f)), q(surfaces.corners(1, f));
+            FilteredCrossingSigns signs(p, q);
+            const DecidedCrossings both = decide_crossings(signs);
+            for (const DecidedCrossing* crossing : {&both.forward, &both.backward}) {
+                if (!crossing->jumps.segment || segments.size() == SegmentBlock::size) continue;
+                Segment& segment = segments.emplace_back(crossing->segment);
+                segment.a = segment.b = f;
+                segment.in_volume = crossing == &both.forward;
+                segment.times = static_cast<std::int8_t>(dice_() % 3);
+            }
+        }
+        return segments;
+    }
+
+    /// Sums as a thread of a device does.
+    void expect_enclosed_one_by_one(const SurfacePair& surfaces, const std::vector<Segment>& segments, double most) {
+        const ExactTerms terms(surfaces);
+        SegmentTerms sum;
+        VolumeTotals<RationalSum> volume;
+        CurveTotals<RationalSum> curves;
+        for (const Segment& segment : segments) {
+            if (!add_if_certain(segment, surfaces.corners_a(segment), surfaces.corners_b(segment), surfaces.origin,
+                                true, sum))
+                continue;
+            ++certain_;
+            terms.add(segment, volume);
+            terms.add(segment, curves);
+        }
+        expect_enclosed(sum.volume, volume, most);
+        expect_enclosed(sum.curves.area, curves.area, most);
+        expect_enclosed(sum.curves.torque, curves.torque, most);
+    }
+
+    int certain_ = 0;  ///< number of segments whose terms were certain
 };
 
 TEST_P(SimdOverlapsOfEachKind, sums_are_within_their_error_bounds) {
@@ -114,23 +166,17 @@ TEST_P(SimdOverlapsOfEachKind, sums_are_within_their_error_bounds) {
         const ExactTerms terms(surfaces);
 
         std::vector<CountedFace> faces;
-        std::vector<Segment> segments;
         VolumeTotals<RationalSum> of_faces;
+        VolumeTerms<Enclosed> one_by_one;
         for (std::int32_t f = 0; f < a.closed.face_count(); ++f) {
             const auto times = static_cast<std::int32_t>(dice_() % 7) - 3;
             faces.push_back({f, times});
             terms.add_face(a.placed.corners(f), times, of_faces);
-            const CrossedFace p(a.placed.corners(f)), q(b.placed.corners(f));
-            FilteredCrossingSigns signs(p, q);
-            const DecidedCrossings both = decide_crossings(signs);
-            for (const DecidedCrossing* crossing : {&both.forward, &both.backward}) {
-                if (!crossing->jumps.segment || segments.size() == SegmentBlock::size) continue;
-                Segment& segment = segments.emplace_back(crossing->segment);
-                segment.a = segment.b = f;
-                segment.in_volume = crossing == &both.forward;
-                segment.times = static_cast<std::int8_t>(dice_() % 3);
-            }
+            add_face_terms(a.placed.corners(f), times, surfaces.origin, one_by_one);
         }
+        expect_enclosed(one_by_one, of_faces, precise ? 0x1p-78 : largest);
+        const std::vector<Segment> segments = segments_of(surfaces);
+        expect_enclosed_one_by_one(surfaces, segments, precise ? 0x1p-60 : largest);
         for (const OverlapKernels* lanes : kernels) {
             FaceBlock face_block;
             BlockSums sums;

@@ -15,6 +15,7 @@
 #include "cuda_on_cpu/machine/settings.h"
 #include "features/compare_features.h"
 #include "features/moving_soups.h"
+#include "overlaps/closed_bodies.h"
 #include "ptx/kernels.h"
 #include "rounds.h"
 
@@ -67,7 +68,8 @@ class PtxKernels : public testing::Test {
         }
     }
 
-    ptx::Kernels kernels_{ptx_files(), {"exact_kernel", "contact_kernel", "decide_kernel", "close_kernel"}};
+    ptx::Kernels kernels_{ptx_files(),
+                          {"exact_kernel", "contact_kernel", "decide_kernel", "close_kernel", "crossing_kernel"}};
     Detector cpu_{{.backend = Backend::cpu}};
     Detector cuda_{{.backend = Backend::cuda}};  // created before kernels run from their PTX
     std::int64_t exact_tests_ = 0, contacts_ = 0, impacts_ = 0, near_ = 0;
@@ -110,6 +112,24 @@ TEST_F(PtxKernels, hard_motions_and_distances_match_the_cpu) {
     }
     EXPECT_GE(impacts_, 10'000);
     EXPECT_GE(near_, 10'000);
+}
+
+TEST_F(PtxKernels, overlaps_of_closed_bodies_match_the_cpu) {
+    std::int64_t rows = 0;
+    for (unsigned seed = 1; seed <= static_cast<unsigned>(scaled_rounds(40)); ++seed) {
+        SCOPED_TRACE(seed);
+        const ClosedBodies bodies = closed_bodies(seed, 4, seed % 4 != 0, seed % 4 == 0);
+        const OverlapQuery query{.self_overlaps = true, .curves = true};
+        const Overlaps& found = cuda_.find(bodies.view(), query);
+        EXPECT_EQ(difference(found, cpu_.find(bodies.view(), query)), "");
+        rows += found.count;
+    }
+    EXPECT_GE(rows, 100);
+    for (const auto& [name, launches] : kernels_.launches) {
+        if (name.find("crossing_kernel") != name.npos) {
+            EXPECT_GE(launches, 30) << name;
+        }
+    }
 }
 
 // Codimensional edges and points, which belong to no triangle, are decided by separate kernels.

@@ -14,10 +14,12 @@
 #include "backends/cuda/features/feature_narrow.h"
 #include "backends/cuda/intersections/device_contacts.h"
 #include "backends/cuda/intersections/intersection_narrow.h"
+#include "backends/cuda/overlaps/crossing_terms.h"
 #include "base/float_environment.h"
 #include "crumple/error.h"
 #include "exact/intersection/contact_on_line.h"
 #include "exact/intersection/intersection_decision.h"
+#include "exact/overlap/filtered_crossing.h"
 
 namespace crumple::cuda {
 namespace {
@@ -75,6 +77,9 @@ struct Arrays {
     Decisions all, proper;
     ContactArrays contacts;
     FeatureResults features[queries];
+    RowArrays* overlap;    ///< one row, in which all triangles belong to both surfaces
+    Count* overlap_begin;  ///< 0
+    PackedCrossings* crossings;
 
     void cut(ArenaLayout& c) {
         start = c.take<Vec3d>(6 * case_count);
@@ -89,6 +94,9 @@ struct Arrays {
         proper.cut(c);
         contacts.cut(c, case_count);
         for (FeatureResults& results : features) results.cut(c);
+        overlap = c.take<RowArrays>(1);
+        overlap_begin = c.take<Count>(1);
+        crossings = c.take<PackedCrossings>(case_count);
     }
 
     PreparedScene scene(bool moving) const {
@@ -132,6 +140,12 @@ void write_cases(const Arrays& a) {
     std::fill_n(a.test_count, feature_kinds, case_count);
 }
 
+/// Makes the triangles on the device the faces of both surfaces.
+void write_overlap(const Arrays& on_host, const Arrays& on_device) {
+    const SurfaceArrays surface{on_device.start, on_device.corners};
+    *on_host.overlap = {{surface, surface}, {}, 0};
+}
+
 // Launches all kernels. Computes contacts for every pair: most pairs collide, and for the others the kernel must find
 // no contact.
 void decide_on_device(const Geometry& geometry, cudaStream_t stream, const Arrays& a) {
@@ -147,6 +161,14 @@ void decide_on_device(const Geometry& geometry, cudaStream_t stream, const Array
     decide(IntersectionKind::all, a.all);
     decide(IntersectionKind::proper, a.proper);
     find_contacts(geometry, stream, scene, a.pairs, case_count, 0, a.contacts);
+    CrossingArrays crossings{};
+    crossings.rows = a.overlap;
+    crossings.first_pairs = a.overlap_begin;
+    crossings.row_count = 1;
+    crossings.pairs = a.pairs;
+    crossings.pair_count = case_count;
+    crossings.crossings = a.crossings;
+    decide_crossings(geometry, stream, crossings);
     for (std::size_t q = 0; q < queries; ++q) {
         const FeatureResults& results = a.features[q];
         TestLists tests{}, open{};
@@ -203,6 +225,19 @@ std::string difference(const Arrays& a, const ContactArrays& found) {
     return *found.open_count == open ? std::string() : "the list of unresolved contacts";
 }
 
+std::string crossing_difference(const Arrays& a) {
+    const SurfaceArrays surface{a.start, a.corners};
+    for (std::size_t i = 0; i < case_count; ++i) {
+        const FaceCorners p = surface.face(pair_of(i).a), q = surface.face(pair_of(i).b);
+        if (!std::ranges::all_of(p, [](const Vec3d& corner) { return in_expansion_range(corner); })) continue;
+        const CrossedFace first(p), second(q);
+        FilteredCrossingSigns signs(first, second);
+        if (a.crossings[i] != PackedCrossings::pack(crumple::decide_crossings(signs)))
+            return describe("the crossing", i);
+    }
+    return {};
+}
+
 template <class Query>
 std::string feature_difference(const Arrays& a, std::size_t which) {
     const PreparedScene scene = a.scene(which > 0);
@@ -248,6 +283,7 @@ std::string find_difference_from_host(const Device& device, cudaStream_t stream)
     ArenaLayout cutter(image);
     on_host.cut(cutter);
     write_cases(on_host);
+    write_overlap(on_host, on_device);
     auto* const copy = reinterpret_cast<std::byte*>(on_device.start);  // the first array, so the start of the block
     CRUMPLE_CUDA(cudaMemcpyAsync(copy, image, block.capacity(), cudaMemcpyHostToDevice, stream));
     decide_on_device(geometry, stream, on_device);
@@ -257,6 +293,7 @@ std::string find_difference_from_host(const Device& device, cudaStream_t stream)
     std::string found = difference(on_host, on_host.all, IntersectionKind::all);
     if (found.empty()) found = difference(on_host, on_host.proper, IntersectionKind::proper);
     if (found.empty()) found = difference(on_host, on_host.contacts);
+    if (found.empty()) found = crossing_difference(on_host);
     if (found.empty()) found = feature_difference<ProximityDecision>(on_host, 0);
     if (found.empty()) found = feature_difference<ImpactDecision>(on_host, 1);
     if (found.empty()) found = feature_difference<MinDistanceDecision>(on_host, 2);

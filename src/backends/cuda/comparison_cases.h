@@ -11,7 +11,7 @@
 
 namespace crumple::cuda {
 
-/// Returns a description of the first result that differs from the host's, or an empty string. Cost: eight launches,
+/// Returns a description of the first result that differs from the host's, or an empty string. Cost: nine launches,
 /// one upload and one download, each of about 100 KB.
 std::string find_difference_from_host(const Device& device, cudaStream_t stream);
 

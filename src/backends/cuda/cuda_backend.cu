@@ -24,6 +24,7 @@
 #include "backends/cuda/input/host_shape.h"
 #include "backends/cuda/intersections/intersection_finder.h"
 #include "backends/cuda/intersections/posed_world_calls.h"
+#include "backends/cuda/overlaps/device_overlaps.h"
 #include "crumple/error.h"
 #include "partition/levels.h"
 #include "partition/parts_of_scene.h"
@@ -81,6 +82,7 @@ class CudaBackend final : public BackendBase {
         features_.find(scene, request, result);
     }
     DeviceFeatureCalls& device_feature_calls() override { return features_; }
+    OverlapDevice* overlap_device() override { return &overlaps_; }
 
     bool any(const PreparedScene& scene, const IntersectionQuery& query) override {
         return on_device(
@@ -211,6 +213,7 @@ class CudaBackend final : public BackendBase {
         for (Input& input : state_.inputs) input.release();
         worlds_.release();
         features_.release();
+        overlaps_.release();
     }
 
     bool keeps_after(const Error& error) const override {
@@ -261,6 +264,7 @@ class CudaBackend final : public BackendBase {
         reserve_exact_stack(state_.geometry, stream, counters);
         reserve_contact_stack(state_.geometry, stream);
         reserve_feature_stacks(state_.geometry, stream, counters);
+        reserve_crossing_stack(state_.geometry, stream);
         CRUMPLE_CUDA(cudaStreamSynchronize(stream));
     }
 
@@ -309,6 +313,7 @@ class CudaBackend final : public BackendBase {
     IntersectionFinder finder_{state_};
     PosedWorldCalls worlds_{finder_, state_.stream.get(), state_.meter};
     FeatureCalls features_{state_, launches_};
+    DeviceOverlaps overlaps_{state_};
     std::array<DeviceIntersections, most_in_flight> shown_;  ///< results, by launch number modulo most_in_flight
 };
 

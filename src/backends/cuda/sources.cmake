@@ -11,5 +11,6 @@ set(crumple_cuda_sources
     intersections/intersection_narrow.cu intersections/intersection_pass.cu intersections/intersection_stages.cu
     features/device_feature_queries.cu features/feature_finder.cu features/feature_input.cu features/feature_narrow.cu
     features/feature_rows.cu features/feature_pass.cu features/feature_stages.cu features/row_finder.cu
+    overlaps/crossing_terms.cu overlaps/device_overlaps.cu
     candidates/candidate_finder.cu candidates/candidate_narrow.cu)
 list(TRANSFORM crumple_cuda_sources PREPEND ${CMAKE_CURRENT_LIST_DIR}/)

@@ -2,7 +2,7 @@
 
 // Parameter at which an edge crosses the plane of a face, in double-double arithmetic with an error bound. Host only.
 
-#include "exact/overlap/enclosed.h"
+#include "exact/overlap/enclosed_terms.h"
 #include "exact/overlap/exact_crossing.h"
 
 namespace crumple {
@@ -20,15 +20,8 @@ inline Enclosed enclosed(const Rational& x) {
 /// Returns the parameter in [0, 1] at which the edge from → to crosses the plane of a face, for coordinates in the
 /// range of double-double arithmetic.
 inline Enclosed enclosed_parameter(const Vec3d& edge_from, const Vec3d& edge_to, const FaceCorners& q) {
-    // A parameter with a larger error is too uncertain to be useful in sums, and a smaller parameter might underflow;
-    // both are computed exactly instead.
-    constexpr double largest_error = 0x1p-80, least_parameter = 0x1p-250;
-    const Vec3<Enclosed> normal = cross(enclosed_difference(q[1], q[0]), enclosed_difference(q[2], q[0]));
-    const Enclosed from = dot(normal, enclosed_difference(edge_from, q[0])),
-                   to = dot(normal, enclosed_difference(edge_to, q[0]));
-    const Enclosed parameter = from / (from - to);
-    if (parameter.error <= largest_error && parameter.magnitude() >= least_parameter) return parameter;
-    return enclosed(edge_parameter(edge_from, edge_to, q));
+    const Enclosed parameter = filtered_parameter(edge_from, edge_to, q);
+    return std::isfinite(parameter.error) ? parameter : enclosed(edge_parameter(edge_from, edge_to, q));
 }
 
 }  // namespace crumple

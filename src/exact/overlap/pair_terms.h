@@ -12,9 +12,16 @@
 //   [first corner, x, last corner] times the jump, if the segment ends at x on edge 12 of a face
 //   the whole face times the jump, if the segment ends on edge 01
 
+#include <cstdint>
+
 #include "geometry/vec.h"
 
 namespace crumple {
+
+/// Face, and the number of times that it counts in the sums, which may be negative.
+struct CountedFace {
+    std::int32_t face, times;
+};
 
 template <class Number>
 struct VolumeTerms {
@@ -24,6 +31,10 @@ struct VolumeTerms {
     CRUMPLE_HD void add(const Number& determinant, const Vec3<Number>& sum_of_corners) {
         volume = volume + determinant;
         moment = moment + determinant * sum_of_corners;
+    }
+    CRUMPLE_HD void add(const VolumeTerms& other) {
+        volume = volume + other.volume;
+        moment = moment + other.moment;
     }
 };
 
@@ -36,6 +47,10 @@ struct CurveTerms {
     CRUMPLE_HD void add(const Vec3<Number>& s, const Vec3<Number>& e) {
         area = area + cross(s, e);
         torque = torque + (dot(s, s + e) + dot(e, e)) * (e - s);
+    }
+    CRUMPLE_HD void add(const CurveTerms& other) {
+        area = area + other.area;
+        torque = torque + other.torque;
     }
 };
 

@@ -27,7 +27,12 @@ struct Segment {
     bool in_volume = true;  ///< true if it counts in the volume, which is computed for the forward shift only
     /// Number of times that it counts in sums over curves, which add up both shifts: 2 if both shifts have it.
     std::int8_t times = 1;
+    bool summed = false;  ///< true if its terms are in the sums of a device
 };
+
+/// Returns the number of times that a segment of one shift counts in sums over curves. `tied`: true if the other shift
+/// may have a different segment (DecidedCrossings).
+CRUMPLE_HD constexpr int times_in_curves(bool tied) { return tied ? 1 : 2; }
 
 /// Returns the segment in which two faces cross. at_vertex(side, edge) returns the corner for SegmentEnd::vertex.
 template <class AtVertex>

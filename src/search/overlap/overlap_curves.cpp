@@ -95,13 +95,13 @@ std::vector<OverlapCurve> OverlapOfBodies::curves(const Vec3d& point, const Forw
         for (const std::int32_t s : joined[i].segments) {
             cancellation_.check();
             Segment segment = forward.segments[static_cast<std::size_t>(s)];
-            curve.points.push_back(round(CrossingEdge(sums_.surfaces, segment, segment.start)));
+            curve.points.push_back(round(crossing_edge(sums_.surfaces, segment, segment.start)));
             curve.triangles.push_back({segment.a, segment.b});
             segment.times = 2;
             segment.in_volume = false;
             sums.segments.push_back(segment);
         }
-        curve.points.push_back(round(CrossingEdge(sums_.surfaces, sums.segments.back(), sums.segments.back().end)));
+        curve.points.push_back(round(crossing_edge(sums_.surfaces, sums.segments.back(), sums.segments.back().end)));
         curve.area_vector = curve.torque = {nan, nan, nan};
         if (!curve.closed) continue;
         const CurveNumbers numbers = finish_curves(sums, sums_.surfaces.origin, point);

@@ -59,7 +59,8 @@ void ExactTerms::add_face(const FaceCorners& p, std::int32_t times, VolumeTotals
 
 void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) const {
     if (!segment.in_volume) return;
-    const CrossingEdge from(surfaces_, segment, segment.start), to(surfaces_, segment, segment.end);
+    const CrossingEdge from = crossing_edge(surfaces_, segment, segment.start),
+                       to = crossing_edge(surfaces_, segment, segment.end);
     const bool has_length = !has_no_length(from, to);
     if (!has_length && segment.start.edge != 1 && segment.end.edge != 1) return;
     const std::array<FaceCorners, 2> face{surfaces_.corners_a(segment), surfaces_.corners_b(segment)};
@@ -78,7 +79,8 @@ void ExactTerms::add(const Segment& segment, VolumeTotals<RationalSum>& totals) 
 }
 
 void ExactTerms::add(const Segment& segment, CurveTotals<RationalSum>& totals) const {
-    const CrossingEdge start(surfaces_, segment, segment.start), end(surfaces_, segment, segment.end);
+    const CrossingEdge start = crossing_edge(surfaces_, segment, segment.start),
+                       end = crossing_edge(surfaces_, segment, segment.end);
     if (segment.times == 0 || has_no_length(start, end)) return;
     const IntegerUnit unit = unit_of(surfaces_, surfaces_.corners_a(segment), surfaces_.corners_b(segment));
     const auto [s, v] = unit.at(start);

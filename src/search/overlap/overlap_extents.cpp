@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "exact/overlap/rational_sum.h"
+#include "exact/overlap/rounded_parameter.h"
 #include "search/overlap/overlap_enclosed.h"
 
 namespace crumple {
@@ -46,7 +47,7 @@ void ExtentSearch::for_each_end(Act act) const {
         cancellation_.check();
         const SegmentEnd& end = segment.end;
         const FaceCorners of = surfaces_.corners(end.side, end.side == 0 ? segment.a : segment.b);
-        act(of[end.edge], of[next_corner(end.edge)], [&] { return CrossingEdge(surfaces_, segment, end); });
+        act(of[end.edge], of[next_corner(end.edge)], [&] { return crossing_edge(surfaces_, segment, end); });
     }
 }
 
@@ -75,6 +76,7 @@ OverlapExtent ExtentSearch::find(const Vec3d& normal) {
 // Widens the box by the point at which an edge crosses a face, rounded outwards.
 void ExtentSearch::widen_box(const CrossingEdge& edge, OverlapExtent& box) {
     std::optional<Enclosed> share;
+    std::optional<RoundedParameter> rounded;
     for (int axis = 0; axis < 3; ++axis) {
         const auto widen = [&](double nearest, int rest) {  // `rest`: sign of the exact coordinate minus `nearest`
             box.low[axis] = std::fmin(box.low[axis], rest < 0 ? std::nextafter(nearest, -infinity) : nearest);
@@ -91,6 +93,8 @@ void ExtentSearch::widen_box(const CrossingEdge& edge, OverlapExtent& box) {
             continue;
         }
         if (surfaces_.in_range()) {
+            if (!rounded) rounded = rounded_parameter(edge.from, edge.to, edge.face);
+            if (RoundedNumber::between(from, to, *rounded).is_within(box.low[axis], box.high[axis])) continue;
             if (!share) share = enclosed_parameter(edge);
             const Enclosed x = Enclosed(from) + *share * Enclosed::difference(to, from);
             const auto [high, low] = x.value;
@@ -156,6 +160,8 @@ double ExtentSearch::thickness(const Vec3d& normal, const OverlapExtent& box) {
             }
             slack = error + 0x1p-48 * (beyond.x + beyond.y + beyond.z);
             if (max(min(a, b), lowest) > low + slack && min(max(a, b), highest_of_face) < high - slack) return;
+            const RoundedParameter t = rounded_parameter(crossing.from, crossing.to, crossing.face);
+            if (RoundedNumber::between(a, b, t, slack).is_within(low + slack, high - slack)) return;
         }
         const Enclosed start = height(crossing.from);
         const Enclosed x =

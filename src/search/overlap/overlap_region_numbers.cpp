@@ -30,7 +30,7 @@ std::vector<OverlapRegion> OverlapOfBodies::regions(const ForwardSegments& forwa
     for (std::size_t side = 0; side < 2; ++side)
         memory.add(2 * bytes_of(inside[side]) + 3 * bytes_of(faces[side]) + 8 * input.vertex_count[side] +
                    input.face_count[side]);
-    memory.add(input.segments.size() * (4 * sizeof(Segment) + 16 * sizeof(std::int64_t)));
+    memory.add(input.segments.size() * (4 * sizeof(Segment) + 32 * sizeof(std::int64_t)));
     const std::vector<RegionParts> found = find_regions(input, cancellation_);
 
     std::array<std::vector<std::int32_t>, 2> region_of_vertex;

@@ -111,10 +111,12 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
     constexpr std::size_t chunk = 1024;
     std::vector<CrossedPairs> parts((pairs_.size() + chunk - 1) / chunk);
     const bool quick = in_range();
+    const auto on_device = sums_.on_device.crossings;
     const int once = self_ == 0 ? 1 : 0;  // a body with itself has no curves
     const auto cross = [&](std::size_t part) {
         cancellation_.check();
         CrossedPairs& crossed = parts[part];
+        bool summed = false;  // true if a device has summed the terms of the current pair
         const auto add = [&](const Pair& pair, const DecidedCrossing& crossing, Shift shift, int times) {
             if (!crosses(crossing.jumps)) return;
             const bool forward = shift == Shift::forward;
@@ -128,10 +130,11 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
             segment.a = pair.a, segment.b = pair.b;
             segment.in_volume = forward;
             segment.times = static_cast<std::int8_t>(times);
+            segment.summed = summed;
             crossed.segments.push_back(segment);
         };
         const auto add_pair = [&](const Pair& pair, const DecidedCrossings& both) {
-            add(pair, both.forward, Shift::forward, both.tied ? once : 2 * once);
+            add(pair, both.forward, Shift::forward, once * times_in_curves(both.tied));
             if (both.tied || gradient) add(pair, both.backward, Shift::backward, both.tied ? once : 0);
             if (both.coplanar && (self_ == 0 || pair.a < pair.b)) crossed.coplanar.push_back(pair);
         };
@@ -148,6 +151,12 @@ void OverlapOfBodies::cross_pairs(bool gradient) {
         PairBlock block;
         CrossingSigns signs;
         for (std::size_t i = 0; i < some.size(); ++i) {
+            if (!on_device.empty()) {
+                const auto& decided = on_device[part * chunk + i];
+                summed = !decided.uncertain();
+                add_pair(some[i], decided.unpack());
+                continue;
+            }
             const std::size_t in_block = i % PairBlock::size;
             if (in_block == 0 && quick && kernels_) {
                 fill(sums_.surfaces, some.subspan(i, std::min<std::size_t>(PairBlock::size, some.size() - i)), block);
@@ -242,6 +251,8 @@ void OverlapOfBodies::count_crossed_faces(const Segment& segment, std::array<std
 OverlapSums OverlapOfBodies::sums_of_surfaces() const {
     OverlapSums sums(workers_, kernels_, cancellation_);
     sums.surfaces = sums_.surfaces;
+    sums.on_device.device = sums_.on_device.device;
+    sums.on_device.surface = sums_.on_device.surface;
     sums.numbers = false;
     return sums;
 }

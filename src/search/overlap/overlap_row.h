@@ -49,6 +49,9 @@ class OverlapOfBodies {
           memory_(meter),
           sums_(workers, kernels, cancellation) {}
 
+    /// Sets what a device has found for the pairs of the following call. Crossings are empty if it has decided none.
+    void set_on_device(const RowOnDevice& row) { sums_.on_device = row; }
+
     /// Returns the overlap of a and b; call once. `pairs`: all pairs of triangles of a and b that have a common point,
     /// and possibly others, sorted. Sums are relative to `origin`.
     OverlapRow find(const PlacedSurface& a, const PlacedSurface& b, std::span<const Pair> pairs, const Vec3d& origin,

@@ -18,39 +18,6 @@
 namespace crumple {
 namespace {
 
-/// Returns the middle of the intersection of two boxes: sums relative to it have the least cancellation.
-Vec3d middle_of(const Bounds& a, const Bounds& b) {
-    Vec3d middle;
-    for (int axis = 0; axis < 3; ++axis) {
-        middle[axis] = 0.5 * max(a.low[axis], b.low[axis]) + 0.5 * min(a.high[axis], b.high[axis]);
-        if (!(std::abs(middle[axis]) >= 0x1p-150)) middle[axis] = 0;
-    }
-    return middle;
-}
-
-/// Returns all pairs of triangles of one surface that have a common point, in both orders: the pairs in `found`, and
-/// all pairs of adjacent triangles, since `found` lacks those that meet only in their common vertices or edge.
-std::vector<Pair> pairs_within(const ClosedSurface& surface, std::span<const Pair> found) {
-    std::vector<Pair> pairs;
-    for (const auto& [a, b] : found) {
-        pairs.push_back({a, b});
-        pairs.push_back({b, a});
-    }
-    std::vector<std::pair<std::int32_t, std::int32_t>> corners;  // vertex, triangle
-    for (std::int32_t face = 0; face < surface.face_count(); ++face)
-        for (std::size_t k = 0; k < 3; ++k) corners.emplace_back(surface.corners(face)[k], face);
-    std::sort(corners.begin(), corners.end());
-    for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
-        while (end < corners.size() && corners[end].first == corners[begin].first) ++end;
-        for (std::size_t i = begin; i < end; ++i)
-            for (std::size_t j = begin; j < end; ++j)
-                if (corners[i].second != corners[j].second) pairs.push_back({corners[i].second, corners[j].second});
-    }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    return pairs;
-}
-
 bool is_flag(Output output) { return output == Output::any || output == Output::any_by_world; }
 
 }  // namespace
@@ -75,6 +42,7 @@ void OverlapSearch::release() {
 void OverlapSearch::find(BackendBase& backend, BackendBase& host, WorldSearch& worlds, const World& given,
                          const OverlapQuery& query, Overlaps& result, const OverlapBlocks* blocks) {
     host_ = &host;
+    device_ = backend.overlap_device();
     query_ = query;
     blocks_ = blocks;
     delivered_ = 0;
@@ -175,18 +143,38 @@ void OverlapSearch::find_pairs(BackendBase& backend, WorldSearch& worlds, const 
 std::vector<OverlapRow> OverlapSearch::make_rows(Candidates candidates, MemoryClaim& memory) {
     memory.add(candidates.size() * sizeof(OverlapRow));
     std::vector<OverlapRow> rows(candidates.size());
+    const std::unique_ptr<OverlapBatch> batch = cross_on_device(candidates);
     std::atomic<bool> enough{false};
     host_->parallel_for(candidates.size(), [&](std::size_t i) {
         if (enough.load(std::memory_order_relaxed)) return;
         cancellation_.check();
         bool was_exact = false;
-        rows[i] = row_of(candidates[i], was_exact);
+        const CrossedRow* crossed = batch ? batch->row(i) : nullptr;
+        if (crossed) {
+            rows[i] =
+                row_of(candidates[i].bodies, batch->surface(crossed->surface[0]), batch->surface(crossed->surface[1]),
+                       batch->pairs(*crossed), batch->on_device(*crossed), was_exact);
+        } else {
+            rows[i] = row_of(candidates[i], was_exact);
+        }
         memory.add(bytes_of(rows[i]));
         if (was_exact) rational_.fetch_add(1, std::memory_order_relaxed);
         if (query_.output == Output::any && is_in_result(query_, rows[i]))
             enough.store(true, std::memory_order_relaxed);
     });
+    if (device_) device_->end_batch();
     return rows;
+}
+
+// Lets the device decide the pairs of triangles of the candidates. Returns null if the host has to do it.
+std::unique_ptr<OverlapBatch> OverlapSearch::cross_on_device(Candidates candidates) {
+    if (!device_ || query_.output == Output::any) return nullptr;  // `any` ends after the first row
+    std::vector<OverlapBatch::Row> rows;
+    for (const Candidate& candidate : candidates) rows.push_back({candidate.bodies, pairs_of(candidate)});
+    auto batch = std::make_unique<OverlapBatch>(bodies_, meter_);
+    if (!batch->cross(*device_, rows, query_.output == Output::pairs, *host_)) return nullptr;
+    cancellation_.check();
+    return batch;
 }
 
 void OverlapSearch::find_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result) {
@@ -350,9 +338,17 @@ const SurfaceTree& OverlapSearch::tree_of(std::int32_t body) {
 OverlapRow OverlapSearch::row_of(const Candidate& candidate, bool& was_exact) {
     Array<Vec3d> points_a = bodies_.metered_points(), points_b = bodies_.metered_points();
     const auto [first, second] = candidate.bodies;
-    const std::span<const Pair> pairs(pairs_.data() + candidate.begin, candidate.end - candidate.begin);
-    if (pairs.empty() && first != second && !bodies_.may_enclose(first, second)) return {};
+    if (pairs_of(candidate).empty() && first != second && !bodies_.may_enclose(first, second)) return {};
     const PlacedSurface a = bodies_.place(first, points_a);
+    if (first == second)
+        return row_of(candidate.bodies, a, a, pairs_within(*a.surface, pairs_of(candidate)), {}, was_exact);
+    return row_of(candidate.bodies, a, bodies_.place(second, points_b), pairs_of(candidate), {}, was_exact);
+}
+
+// Returns the row of two bodies, whose pairs a device may have decided.
+OverlapRow OverlapSearch::row_of(const BodyPair& bodies, const PlacedSurface& a, const PlacedSurface& b,
+                                 std::span<const Pair> pairs, const RowOnDevice& on_device, bool& was_exact) {
+    const auto [first, second] = bodies;
     OverlapOfBodies overlap(*host_, host_->overlap_kernels(), meter_, cancellation_);
     const bool numbers = query_.output == Output::pairs;
     OverlapOfBodies::Request request{.numbers = numbers,
@@ -364,13 +360,13 @@ OverlapRow OverlapSearch::row_of(const Candidate& candidate, bool& was_exact) {
                                      .unions = numbers && query_.unions,
                                      .min_volume = query_.min_volume};
     OverlapRow row;
+    overlap.set_on_device(on_device);
+    const Vec3d origin = middle_of(a.box, b.box);
     if (first == second) {
         request.orientation = bodies_.orientation(first);
-        row = overlap.find_self(a, pairs_within(*a.surface, pairs), middle_of(a.box, a.box), request);
+        row = overlap.find_self(a, pairs, origin, request);
     } else {
-        const PlacedSurface b = bodies_.place(second, points_b);
         const bool closed = a.surface->closed() && b.surface->closed();
-        const Vec3d origin = middle_of(a.box, b.box);
         request.orientations = {bodies_.orientation(first), bodies_.orientation(second)};
         row = closed ? overlap.find(a, b, pairs, origin, request) : overlap.find_open(a, b, pairs, origin, request);
         const bool listed = numbers && is_in_result(query_, row);

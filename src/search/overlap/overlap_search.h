@@ -27,6 +27,7 @@
 #include "crumple/overlaps.h"
 #include "results/overlap_rows.h"
 #include "search/containment/closed_bodies.h"
+#include "search/overlap/overlap_batch.h"
 #include "search/overlap/overlap_row.h"
 #include "search/world_search.h"
 
@@ -63,6 +64,7 @@ class OverlapSearch {
     void find_pairs(BackendBase& backend, WorldSearch& worlds, const World& world, Candidates candidates,
                     Statistics& statistics);
     void sort_pairs(Candidates candidates);
+    std::unique_ptr<OverlapBatch> cross_on_device(Candidates candidates);
     std::vector<OverlapRow> make_rows(Candidates candidates, MemoryClaim& memory);
     void find_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result);
     void add_if_in_result(const Candidate& candidate, const OverlapRow& row, bool solids, Overlaps& result) const;
@@ -87,6 +89,11 @@ class OverlapSearch {
     const SurfaceTree& tree_of(std::int32_t body);
 
     OverlapRow row_of(const Candidate& candidate, bool& was_exact);
+    OverlapRow row_of(const BodyPair& bodies, const PlacedSurface& a, const PlacedSurface& b,
+                      std::span<const Pair> pairs, const RowOnDevice& on_device, bool& was_exact);
+    std::span<const Pair> pairs_of(const Candidate& candidate) const {
+        return {pairs_.data() + candidate.begin, candidate.end - candidate.begin};
+    }
     bool add_withdrawals(const PlacedSurface& a, const PlacedSurface& b, OverlapRow& row) const;
     const WorldOutline& outline() const { return bodies_.outline(); }
 
@@ -95,6 +102,7 @@ class OverlapSearch {
     ClosedBodies& bodies_;
     // State of the current call:
     BackendBase* host_ = nullptr;
+    OverlapDevice* device_ = nullptr;  ///< null if the backend has none
     OverlapQuery query_;
     const OverlapBlocks* blocks_ = nullptr;
     std::int64_t delivered_ = 0;             ///< number of rows delivered in blocks

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <mutex>
 
 #include "search/overlap/overlap_blocks.h"
@@ -10,16 +11,6 @@
 
 namespace crumple {
 namespace {
-
-struct LaneTotals {
-    VolumeTotals<FixedSum> volume;
-    CurveTotals<FixedSum> curves;
-
-    void add(const LaneTotals& other) {
-        volume.add(other.volume);
-        curves.add(other.curves);
-    }
-};
 
 void add(const WordSum& words, int lanes, FixedSum& sum) {
     for (int i = 0; i < lanes; ++i) {
@@ -35,20 +26,28 @@ void add(const WordSum (&words)[3], int lanes, std::array<FixedSum, 3>& sums) {
 void add(const Vec3<Enclosed>& vector, std::array<FixedSum, 3>& sums) {
     for (int axis = 0; axis < 3; ++axis) sums[static_cast<std::size_t>(axis)].add(vector[axis]);
 }
+void add(const VolumeTerms<Enclosed>& terms, VolumeTotals<FixedSum>& totals) {
+    totals.volume.add(terms.volume);
+    add(terms.moment, totals.moment);
+}
+void add(const CurveTerms<Enclosed>& terms, CurveTotals<FixedSum>& totals) {
+    add(terms.area, totals.area);
+    add(terms.torque, totals.torque);
+}
+void add(const BlockSums& sums, bool numbers, VolumeTotals<FixedSum>& totals) {
+    add(sums.volume, sums.lanes, totals.volume);
+    if (numbers) add(sums.moment, sums.lanes, totals.moment);
+}
 void add(const EnclosedTerms& enclosed, const Segment& segment, VolumeTotals<FixedSum>& totals) {
     if (!segment.in_volume) return;
     VolumeTerms<Enclosed> terms;
     enclosed.add(segment, terms);
-    totals.volume.add(terms.volume);
-    add(terms.moment, totals.moment);
+    add(terms, totals);
 }
 void add(const EnclosedTerms& enclosed, const Segment& segment, CurveTotals<FixedSum>& totals) {
     CurveTerms<Enclosed> terms;
     enclosed.add(segment, terms);
-    for (int times = 0; times < segment.times; ++times) {
-        add(terms.area, totals.area);
-        add(terms.torque, totals.torque);
-    }
+    for (int times = 0; times < segment.times; ++times) add(terms, totals);
 }
 
 }  // namespace
@@ -72,45 +71,83 @@ void OverlapSums::for_chunks(std::size_t n, Totals& totals, Add add) {
     });
 }
 
-void OverlapSums::add_in_lanes() {
-    LaneTotals totals;
-    const auto add_volume = [&](const BlockSums& sums, VolumeTotals<FixedSum>& to) {
-        add(sums.volume, sums.lanes, to.volume);
-        if (numbers) add(sums.moment, sums.lanes, to.moment);
-    };
-    for (std::size_t side = 0; side < 2; ++side)
-        for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, LaneTotals& to) {
-            FaceBlock block;
-            BlockSums sums;
-            for (std::size_t i = begin; i < end; i += FaceBlock::size) {
-                fill(surfaces, side, std::span(faces[side]).subspan(i, std::min<std::size_t>(FaceBlock::size, end - i)),
-                     block);
-                kernels_->add_faces(block, surfaces.origin, numbers, sums);
-                add_volume(sums, to.volume);
-            }
+// Adds the sums of the device. Segments and faces that it has not summed are added in lanes or, without lanes, with a
+// bound for each operation.
+void OverlapSums::add_in_blocks() {
+    BlockTotals totals;
+    for (std::size_t side = 0; side < 2; ++side) {
+        if (add_faces_on_device(side, totals.volume)) continue;
+        for_chunks(faces[side].size(), totals, [&](std::size_t begin, std::size_t end, BlockTotals& to) {
+            add_faces(side, begin, end, to.volume);
         });
-    const EnclosedTerms enclosed(surfaces);
-    for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, LaneTotals& to) {
-        SegmentBlock block;
-        BlockSums sums;
-        for (std::size_t i = begin; i < end; i += SegmentBlock::size) {
-            const auto some = std::span(segments).subspan(i, std::min<std::size_t>(SegmentBlock::size, end - i));
-            fill(surfaces, some, block);
-            std::uint64_t uncertain = kernels_->add_segments(block, surfaces.origin, numbers, sums);
-            add_volume(sums, to.volume);
-            if (numbers) {
-                add(sums.area, sums.lanes, to.curves.area);
-                add(sums.torque, sums.lanes, to.curves.torque);
-            }
-            for (; uncertain; uncertain &= uncertain - 1) {
-                const Segment& segment = some[static_cast<std::size_t>(std::countr_zero(uncertain))];
-                add(enclosed, segment, to.volume);
-                if (numbers) add(enclosed, segment, to.curves);
-            }
-        }
+    }
+    for (const SegmentTerms& sum : on_device.sums) {
+        add(sum.volume, totals.volume);
+        if (numbers) add(sum.curves, totals.curves);
+    }
+    std::vector<Segment> rest;
+    const bool some_are_summed = !on_device.sums.empty();
+    if (some_are_summed)
+        std::ranges::copy_if(segments, std::back_inserter(rest), [](const Segment& s) { return !s.summed; });
+    const std::span<const Segment> left = some_are_summed ? rest : segments;
+    for_chunks(left.size(), totals, [&](std::size_t begin, std::size_t end, BlockTotals& to) {
+        add_segments(left.subspan(begin, end - begin), to);
     });
-    volume_.in_lanes = totals.volume;
-    curves_.in_lanes = totals.curves;
+    volume_.in_blocks = totals.volume;
+    curves_.in_blocks = totals.curves;
+}
+
+bool OverlapSums::add_faces_on_device(std::size_t side, VolumeTotals<FixedSum>& totals) {
+    if (!on_device.device || faces[side].size() < on_device.device->least_faces()) return false;
+    std::vector<VolumeTerms<Enclosed>> sums;
+    if (!on_device.device->add_faces(on_device.surface[side], faces[side], surfaces.origin, sums)) return false;
+    for (const VolumeTerms<Enclosed>& sum : sums) add(sum, totals);
+    return true;
+}
+
+void OverlapSums::add_faces(std::size_t side, std::size_t begin, std::size_t end, VolumeTotals<FixedSum>& to) {
+    if (!kernels_) {
+        const EnclosedTerms enclosed(surfaces);
+        for (std::size_t i = begin; i < end; ++i) {
+            VolumeTerms<Enclosed> terms;
+            enclosed.add_face(surfaces.corners(side, faces[side][i].face), faces[side][i].times, terms);
+            add(terms, to);
+        }
+        return;
+    }
+    FaceBlock block;
+    BlockSums sums;
+    for (std::size_t i = begin; i < end; i += FaceBlock::size) {
+        fill(surfaces, side, std::span(faces[side]).subspan(i, std::min<std::size_t>(FaceBlock::size, end - i)), block);
+        kernels_->add_faces(block, surfaces.origin, numbers, sums);
+        add(sums, numbers, to);
+    }
+}
+
+void OverlapSums::add_segments(std::span<const Segment> some, BlockTotals& to) {
+    const EnclosedTerms enclosed(surfaces);
+    const auto add_enclosed = [&](const Segment& segment) {
+        add(enclosed, segment, to.volume);
+        if (numbers) add(enclosed, segment, to.curves);
+    };
+    if (!kernels_) {
+        std::ranges::for_each(some, add_enclosed);
+        return;
+    }
+    SegmentBlock block;
+    BlockSums sums;
+    for (std::size_t i = 0; i < some.size(); i += SegmentBlock::size) {
+        const auto of_block = some.subspan(i, std::min<std::size_t>(SegmentBlock::size, some.size() - i));
+        fill(surfaces, of_block, block);
+        std::uint64_t uncertain = kernels_->add_segments(block, surfaces.origin, numbers, sums);
+        add(sums, numbers, to.volume);
+        if (numbers) {
+            add(sums.area, sums.lanes, to.curves.area);
+            add(sums.torque, sums.lanes, to.curves.torque);
+        }
+        for (; uncertain; uncertain &= uncertain - 1)
+            add_enclosed(of_block[static_cast<std::size_t>(std::countr_zero(uncertain))]);
+    }
 }
 
 void OverlapSums::add_enclosed(VolumeTotals<FixedSum>& totals) {
@@ -120,8 +157,7 @@ void OverlapSums::add_enclosed(VolumeTotals<FixedSum>& totals) {
             for (std::size_t i = begin; i < end; ++i) {
                 VolumeTerms<Enclosed> terms;
                 enclosed.add_face(surfaces.corners(side, faces[side][i].face), faces[side][i].times, terms);
-                to.volume.add(terms.volume);
-                add(terms.moment, to.moment);
+                add(terms, to);
             }
         });
     for_chunks(segments.size(), totals, [&](std::size_t begin, std::size_t end, VolumeTotals<FixedSum>& to) {

@@ -3,7 +3,7 @@
 // Correctly rounded sums over an overlap: over segments in which faces cross, and over faces
 // (exact/overlap/pair_terms.h). Each sum is computed by the cheapest of three tiers that can round it:
 //
-//   double-double in lanes, one bound per term    if the backend has kernels, for bodies in the double-double range
+//   double-double in blocks, one bound per term   by SIMD lanes or a device, for bodies in the double-double range
 //   double-double, one bound per operation        for bodies in that range; 0 if coordinates are small integers
 //   integers and rationals                        always
 //
@@ -31,6 +31,7 @@ class OverlapSums {
 
     // Input of the sums, which must not change once a sum has been requested:
     SurfacePair surfaces;
+    RowOnDevice on_device;  ///< sums of segments (Segment::summed), if they are the segments of a row
     std::vector<Segment> segments;
     std::array<std::vector<CountedFace>, 2> faces;  ///< counted faces of the first and of the second body
     bool numbers = true;                            ///< false: only the volume is requested, no centroid and no curves
@@ -50,16 +51,16 @@ class OverlapSums {
    private:
     template <template <class> class Totals>
     struct Tiers {
-        std::optional<Totals<FixedSum>> in_lanes, enclosed;
+        std::optional<Totals<FixedSum>> in_blocks, enclosed;
         std::optional<Totals<RationalSum>> exact;
     };
 
     template <template <class> class Totals, class Combine>
     RoundedSum rounded(Tiers<Totals>& tiers, Combine combine, int divisor) {
         if (surfaces.in_range()) {
-            if (kernels_) {
-                if (!tiers.in_lanes) add_in_lanes();
-                if (const auto known = combine(*tiers.in_lanes).rounded_quotient(divisor)) return *known;
+            if (kernels_ || on_device.device) {
+                if (!tiers.in_blocks) add_in_blocks();
+                if (const auto known = combine(*tiers.in_blocks).rounded_quotient(divisor)) return *known;
             }
             if (!tiers.enclosed) add_enclosed(tiers.enclosed.emplace());
             if (const auto known = combine(*tiers.enclosed).rounded_quotient(divisor)) return *known;
@@ -68,7 +69,20 @@ class OverlapSums {
         return combine(*tiers.exact).rounded_quotient(divisor, cancellation_);
     }
 
-    void add_in_lanes();
+    struct BlockTotals {
+        VolumeTotals<FixedSum> volume;
+        CurveTotals<FixedSum> curves;
+
+        void add(const BlockTotals& other) {
+            volume.add(other.volume);
+            curves.add(other.curves);
+        }
+    };
+
+    void add_in_blocks();
+    bool add_faces_on_device(std::size_t side, VolumeTotals<FixedSum>& totals);
+    void add_faces(std::size_t side, std::size_t begin, std::size_t end, VolumeTotals<FixedSum>& to);
+    void add_segments(std::span<const Segment> some, BlockTotals& to);
     void add_enclosed(VolumeTotals<FixedSum>& totals);
     void add_enclosed(CurveTotals<FixedSum>& totals);
     void add_exact(VolumeTotals<RationalSum>& totals);

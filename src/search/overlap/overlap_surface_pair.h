@@ -1,11 +1,12 @@
 #pragma once
 
-// Input of the sums over an overlap: two bodies, faces with the number of times that they count, and the ends of the
-// segments in which faces cross. Host only.
+// Input of the sums over an overlap: two bodies, the results of a device, and the ends of the segments in
+// which faces cross. Host only.
 
 #include <array>
+#include <span>
 
-#include "exact/overlap/segment.h"
+#include "backends/overlap_device.h"
 #include "search/overlap/overlap_windings.h"
 
 namespace crumple {
@@ -21,32 +22,16 @@ struct SurfacePair {
     FaceCorners corners_b(const Segment& s) const { return corners(1, s.b); }
 };
 
-/// Face, and the number of times that it counts in the sums, which may be negative.
-struct CountedFace {
-    std::int32_t face, times;
+/// Results of a device for a row: crossings and sums of its pairs, and the device's copies of both surfaces.
+struct RowOnDevice {
+    OverlapDevice* device = nullptr;
+    std::array<std::int32_t, 2> surface{};  ///< indices of both surfaces on the device
+    std::span<const PackedCrossings> crossings;
+    std::span<const SegmentTerms> sums;
 };
 
-/// Edge on which a segment ends, and the face that it crosses there. If the segment ends at a vertex, `from` and `to`
-/// are that vertex.
-struct CrossingEdge {
-    Vec3d from, to;
-    FaceCorners face;
-
-    CrossingEdge(const SurfacePair& surfaces, const Segment& segment, const SegmentEnd& end) {
-        const FaceCorners a = surfaces.corners_a(segment), b = surfaces.corners_b(segment);
-        const FaceCorners& of = end.side ? b : a;
-        face = end.side ? a : b;
-        from = of[end.edge];
-        to = of[next_corner(end.edge)];
-        if (end.vertex >= 0) from = to = of[static_cast<std::size_t>(end.vertex)];
-    }
-    bool is_vertex() const { return from == to; }
-};
-
-/// True if a segment runs from a vertex to the same position, so that its cones and its terms in sums over curves are
-/// 0. So do most segments where many faces meet at common vertices.
-inline bool has_no_length(const CrossingEdge& start, const CrossingEdge& end) {
-    return start.is_vertex() && end.is_vertex() && start.from == end.from;
+inline CrossingEdge crossing_edge(const SurfacePair& surfaces, const Segment& segment, const SegmentEnd& end) {
+    return {surfaces.corners_a(segment), surfaces.corners_b(segment), end};
 }
 
 }  // namespace crumple
