@@ -96,12 +96,12 @@ HWY_INLINE Mask any(const Mask (&m)[3]) { return hn::Or(m[0], hn::Or(m[1], m[2])
 HWY_INLINE Mask all(const Mask (&m)[3]) { return hn::And(m[0], hn::And(m[1], m[2])); }
 
 /// Sides of a face's corners relative to the plane of the other face.
-struct CornerSides {
+struct PlaneSides {
     Mask positive[3], nonzero[3], zero[3];
     Mask known;       ///< all are known, also those of corners in the plane, once that is shifted
     Sign first_sign;  ///< of the plane's normal
 
-    HWY_INLINE CornerSides(const Face& p, const Face& plane, const Product& normal)
+    HWY_INLINE PlaneSides(const Face& p, const Face& plane, const Product& normal)
         : first_sign(HWY_NAMESPACE::first_sign(normal)) {
         Mask each[3];
         for (std::size_t k = 0; k < 3; ++k) {
@@ -121,7 +121,7 @@ struct ShiftedSides {
     Mask cut;  ///< the plane cuts the face
 
     /// `tie`: where true, corners in the plane are on the positive side.
-    HWY_INLINE ShiftedSides(const CornerSides& sides, Mask tie) {
+    HWY_INLINE ShiftedSides(const PlaneSides& sides, Mask tie) {
         for (std::size_t k = 0; k < 3; ++k)
             positive[k] = hn::Or(hn::And(sides.nonzero[k], sides.positive[k]), hn::And(sides.zero[k], tie));
         cut = hn::Or(hn::Xor(positive[0], positive[1]), hn::Xor(positive[1], positive[2]));
@@ -188,7 +188,7 @@ class SignsOfPairs {
 
     HWY_INLINE void find(const Face& a, const Face& b) {
         const D d;
-        const CornerSides of_a(a, b, cross(b[1] - b[0], b[2] - b[0])), of_b(b, a, cross(a[1] - a[0], a[2] - a[0]));
+        const PlaneSides of_a(a, b, cross(b[1] - b[0], b[2] - b[0])), of_b(b, a, cross(a[1] - a[0], a[2] - a[0]));
         const Mask in_plane = all(of_a.zero);
         Mask decided = hn::AndNot(hn::AndNot(of_b.first_sign.nonzero, in_plane), of_a.known);
         Mask tied = any(of_a.zero), apart = hn::AndNot(in_plane, decided);
@@ -219,7 +219,7 @@ class SignsOfPairs {
             apart = hn::AndNot(hn::And(matters, cut), apart);
             if (forward && hn::AllFalse(d, hn::And(decided, tied))) break;
         }
-        const auto same_side = [](const CornerSides& of) HWY_ATTR {
+        const auto same_side = [](const PlaneSides& of) HWY_ATTR {
             const Mask cut = hn::Or(hn::Xor(of.positive[0], of.positive[1]), hn::Xor(of.positive[1], of.positive[2]));
             return hn::AndNot(cut, all(of.nonzero));
         };
