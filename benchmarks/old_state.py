@@ -4,16 +4,20 @@
     python benchmarks/old_state.py --old ../old/build/benchmarks/crumple_benchmark \\
         --new build/benchmarks/crumple_benchmark --scene cloth_ball92 --scene 227 --json out.json
 
+    python benchmarks/old_state.py --old ../old/build/cli/crumple --new build/cli/crumple --command "info part.stl"
+
 Both programs are processes that serve requests (crumple_benchmark --serve). In each round, each program makes calls for a
-slice of time; the order is reversed after each round. A time is the processor time of the program per call, summed over its
-threads, which other load on the machine affects less than wall-clock time. A round's ratio is the old time divided by the
-new one. The median and the quartiles of the ratios over all rounds are reported. Linux only.
+slice of time; the order is reversed after each round. With --command, both are the command line instead, and each runs the
+command once in each round. A time is the processor time of the program per call, summed over its threads, which other load
+on the machine affects less than wall-clock time. A round's ratio is the old time divided by the new one. The median and the
+quartiles of the ratios over all rounds are reported. Linux only.
 """
 
 import argparse
 import datetime
 import os
 import platform
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -45,10 +49,30 @@ class State:
         calls = len(self.server.ask(self.request))
         return 1e3 * (processor_seconds(pid) - begin) / calls
 
+    def close(self):
+        self.server.close()
+
     def result(self):
         with tempfile.TemporaryDirectory() as folder:
             self.server.ask(f"dump {folder}")
             return {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
+
+
+class Command:
+    def __init__(self, program, command):
+        self.words = [program, *shlex.split(command)]
+
+    def turn(self):
+        with subprocess.Popen(self.words, stdout=subprocess.DEVNULL) as process:
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        return 1e3 * (usage.ru_utime + usage.ru_stime)
+
+    def result(self):
+        return subprocess.run(self.words, capture_output=True, check=False).stdout
+
+    def close(self):
+        pass
 
 
 def summary(values):
@@ -56,8 +80,8 @@ def summary(values):
     return {"median": middle, "lower_quartile": low, "upper_quartile": high}
 
 
-def race(old, new, scene, threads, rounds, seconds):
-    states = {"old": State(old, scene, threads, seconds), "new": State(new, scene, threads, seconds)}
+def race(states, rounds):
+    """Races two states, "old" and "new"."""
     same = states["old"].result() == states["new"].result()
     times = {name: [] for name in states}
     for state in states.values():
@@ -66,9 +90,9 @@ def race(old, new, scene, threads, rounds, seconds):
         for name in list(states)[:: 1 if r % 2 else -1]:
             times[name].append(states[name].turn())
     for state in states.values():
-        state.server.close()
+        state.close()
     ratios = [a / b for a, b in zip(times["old"], times["new"])]
-    return {"scene": scene, "threads": threads or os.cpu_count(), "rounds": rounds, "same_result": same,
+    return {"rounds": rounds, "same_result": same,
             "old_milliseconds": median(times["old"]), "new_milliseconds": median(times["new"]), **summary(ratios)}
 
 
@@ -88,9 +112,10 @@ def processor():
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--old", required=True, help="crumple_benchmark of the old state")
-    parser.add_argument("--new", required=True, help="crumple_benchmark of the present state")
+    parser.add_argument("--old", required=True, help="program of the old state")
+    parser.add_argument("--new", required=True, help="program of the present state")
     parser.add_argument("--scene", action="append", help="workload (workload.h); may be repeated")
+    parser.add_argument("--command", help="arguments of the command line, for old and new programs `crumple`")
     parser.add_argument("--threads", type=int, default=1, help="threads of a call; 0: all")
     parser.add_argument("--rounds", type=int, default=30)
     parser.add_argument("--seconds", type=float, default=0.1, help="slice of a program in one round")
@@ -99,10 +124,17 @@ def main():
     begin = os.getloadavg()[0]
     rows = []
     print(f"{'scene':24}{'old ms':>9}{'new ms':>9}{'old / new':>11}  quartiles       same result")
-    for scene in settings.scene or SCENES:
-        row = race(settings.old, settings.new, scene, settings.threads, settings.rounds, settings.seconds)
+    programs = {"old": settings.old, "new": settings.new}
+    for name in [settings.command] if settings.command else settings.scene or SCENES:
+        if settings.command:
+            states = {age: Command(program, name) for age, program in programs.items()}
+            row = {"command": name}
+        else:
+            states = {age: State(program, name, settings.threads, settings.seconds) for age, program in programs.items()}
+            row = {"scene": name, "threads": settings.threads or os.cpu_count()}
+        row |= race(states, settings.rounds)
         rows.append(row)
-        print(f"{scene:24}{row['old_milliseconds']:9.3g}{row['new_milliseconds']:9.3g}{row['median']:11.3f}"
+        print(f"{name:24}{row['old_milliseconds']:9.3g}{row['new_milliseconds']:9.3g}{row['median']:11.3f}"
               f"  {row['lower_quartile']:.3f} to {row['upper_quartile']:.3f}  {'yes' if row['same_result'] else 'NO'}",
               flush=True)
     if settings.json:
