@@ -10,6 +10,7 @@
 #include "base/disjoint_sets.h"
 #include "exact/intersection/contact.h"
 #include "geometry/predicates.h"
+#include "io/bytes/large_pages.h"
 #include "io/meshes/weld.h"
 #include "scene/placement.h"
 
@@ -18,18 +19,21 @@ namespace {
 
 const std::int32_t* corners_of(const io::TriangleMesh& mesh, std::int64_t t) { return mesh.triangles.data() + 3 * t; }
 
-Triangle triangle_of(const io::TriangleMesh& mesh, std::int64_t t) {
-    const std::int32_t* const c = corners_of(mesh, t);
-    Triangle triangle{{}, {c[0], c[1], c[2]}};
-    std::visit(
-        [&](const auto& xyz) {
+/// Calls visit(t, triangle) for each triangle, in ascending order.
+template <class Visit>
+void for_each_triangle(const io::TriangleMesh& mesh, Visit visit) {
+    const auto run = [&](const auto& xyz) {
+        for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
+            const std::int32_t* const c = corners_of(mesh, t);
+            Triangle triangle{{}, {c[0], c[1], c[2]}};
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto* const p = xyz.data() + 3 * std::int64_t{c[k]};
                 triangle.point[k] = {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
             }
-        },
-        mesh.vertices);
-    return triangle;
+            visit(t, triangle);
+        }
+    };
+    std::visit(run, mesh.vertices);
 }
 
 bool is_degenerate(const Triangle& triangle) {
@@ -76,6 +80,7 @@ class ByVertex {
         add_all([&](std::int32_t vertex, const Item&) { ++end_[static_cast<std::size_t>(vertex) + 1]; });
         std::partial_sum(end_.begin(), end_.end(), end_.begin());
         items_ = std::make_unique_for_overwrite<Item[]>(end_.back());
+        io::advise_large_pages(items_.get(), end_.back() * sizeof(Item));
         // At this point end_[v] is where v's group starts. Each item added advances it, so in the end it is where the
         // group ends.
         add_all(
@@ -162,7 +167,7 @@ EdgeReport report_edges(const io::TriangleMesh& mesh) {
 double signed_volume(const io::TriangleMesh& mesh) {
     Bounds box = no_bounds;
     const auto for_each = [&](auto take) {
-        for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) take(triangle_of(mesh, t).point);
+        for_each_triangle(mesh, [&](std::int64_t, const Triangle& triangle) { take(triangle.point); });
     };
     for_each([&](const auto& p) {
         for (const Vec3d& corner : p) box.widen(corner);
@@ -184,9 +189,9 @@ double signed_volume(const io::TriangleMesh& mesh) {
 
 std::vector<std::int32_t> degenerate_triangles(const io::TriangleMesh& mesh) {
     std::vector<std::int32_t> result;
-    for (std::int64_t t = 0; t < mesh.triangle_count(); ++t) {
-        if (is_degenerate(triangle_of(mesh, t))) result.push_back(static_cast<std::int32_t>(t));
-    }
+    for_each_triangle(mesh, [&](std::int64_t t, const Triangle& triangle) {
+        if (is_degenerate(triangle)) result.push_back(static_cast<std::int32_t>(t));
+    });
     return result;
 }
 

@@ -19,6 +19,7 @@ constexpr std::array list{
           study_near_filters},
     Study{"first_call", "first call of a new process and of a new detector, compared with a warm call",
           study_first_call},
+    Study{"reading", "binary STL from the page cache, without and with welding", study_reading},
     Study{"cost_per_box_overlap", "triangles of unequal size: time per overlapping pair of boxes",
           study_cost_per_box_overlap},
     Study{"ground", "two huge triangles under the cloth", study_ground},

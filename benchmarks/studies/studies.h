@@ -44,6 +44,7 @@ nlohmann::json study_features(const StudySettings& settings);
 nlohmann::json study_feature_growth(const StudySettings& settings);
 nlohmann::json study_near_filters(const StudySettings& settings);
 nlohmann::json study_first_call(const StudySettings& settings);
+nlohmann::json study_reading(const StudySettings& settings);
 nlohmann::json study_cost_per_box_overlap(const StudySettings& settings);
 nlohmann::json study_ground(const StudySettings& settings);
 nlohmann::json study_virtual_subdivision(const StudySettings& settings);

@@ -53,12 +53,15 @@ std::optional<BoundingBox> box_of(const io::TriangleMesh& mesh) {
 }
 
 io::TriangleMesh posed_body(const io::WorldMesh& world, std::size_t body) {
+    const io::NamedBody& posed = world.bodies[body];
+    const io::TriangleMesh& shape = world.shapes[static_cast<std::size_t>(posed.shape)];
+    if (posed.pose == Pose{}) return shape;
     io::WorldMesh alone;
-    alone.bodies = {world.bodies[body]};
-    alone.shapes = {world.shapes[static_cast<std::size_t>(alone.bodies[0].shape)]};
+    alone.bodies.push_back(posed);
+    alone.shapes.push_back(shape);
     alone.bodies[0].shape = 0;
     alone.unit = world.unit;
-    return alone.bodies[0].pose == Pose{} ? std::move(alone.shapes[0]) : io::posed_mesh(alone);
+    return io::posed_mesh(alone);
 }
 
 BodyReport::BodyReport(const io::TriangleMesh& mesh, bool lists_open_edges)

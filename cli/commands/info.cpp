@@ -95,7 +95,10 @@ struct Info {
             if (!json && scene) print_bodies(printer, world);
             if (!json && !scene) printer.print_unit();
             for (std::size_t b = 0; b < bodies; ++b) {
-                const io::TriangleMesh posed = posed_body(world, b);
+                const bool is_posed = body(b).pose != Pose{};
+                const io::TriangleMesh moved = is_posed ? posed_body(world, b) : io::TriangleMesh();
+                const io::TriangleMesh& posed =
+                    is_posed ? moved : world.shapes[static_cast<std::size_t>(body(b).shape)];
                 const BodyReport report(posed, open_edges);
                 sound = sound && report.is_sound();
                 if (json) {

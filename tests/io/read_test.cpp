@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <cfenv>
 #include <cmath>
+#include <map>
+#include <random>
 #include <sstream>
 
 #include "samples.h"
@@ -172,6 +174,28 @@ TEST(MeshReading, welding_joins_equal_positions_and_keeps_the_first) {
     EXPECT_EQ(mesh.triangles, (std::vector<std::int32_t>{0, 1, 2, 0, 1, 2}));
     EXPECT_TRUE(std::signbit(coordinates(mesh)[0]));
     EXPECT_EQ(read_bytes(text, "a.obj").vertex_count(), 5) << "only STL is welded without being asked";
+}
+
+// Enough distinct positions for the hash table to grow several times; -0 equals 0.
+TEST(MeshReading, welding_of_many_vertices_numbers_positions_by_first_occurrence) {
+    constexpr int count = 30'000, distinct = 5'000;
+    std::string text;
+    std::map<int, std::int32_t> first;
+    std::vector<std::int32_t> expected;
+    std::mt19937 random(3);
+    for (int v = 0; v < count; ++v) {
+        const int position = static_cast<int>(random() % distinct);
+        text +=
+            "v " + std::to_string(position % 20) + ' ' + (v % 2 ? "0 " : "-0 ") + std::to_string(position / 20) + '\n';
+        expected.push_back(first.try_emplace(position, static_cast<std::int32_t>(first.size())).first->second);
+    }
+    for (int v = 1; v < count; v += 3)
+        text += "f " + std::to_string(v) + ' ' + std::to_string(v + 1) + ' ' + std::to_string(v + 2) + '\n';
+    for (const Precision precision : {Precision::float32, Precision::float64}) {
+        const TriangleMesh mesh = read_bytes(text, "a.obj", {.precision = precision, .weld = Weld::yes});
+        EXPECT_EQ(mesh.vertex_count(), static_cast<std::int64_t>(first.size()));
+        EXPECT_EQ(mesh.triangles, expected);
+    }
 }
 
 TEST(MeshReading, vertices_are_welded_after_rounding_to_the_requested_precision) {

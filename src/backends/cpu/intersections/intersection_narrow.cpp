@@ -59,7 +59,7 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
         watch.lap();
         return context.stop();
     };
-    sweep_chunks(context.stages, leaf, first, last, candidates, stop, [&] {
+    const auto narrow = [&] {
         statistics[Stage::sweep] += watch.lap();
         if (candidates.pairs == 0) return;
         statistics.box_overlaps += candidates.pairs;
@@ -73,7 +73,10 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
         statistics.double_tests += scratch.verdicts.double_tests;
         decide(context, leaf, ownership, scratch);
         statistics[Stage::narrow] += watch.lap();
-    });
+    };
+    sweep_chunks(context.stages, leaf, first, last, candidates, stop, narrow);
+    std::size_t next = records.stars.first_pair(first);
+    while (!stop() && records.stars.list(leaf, last, next, candidates)) narrow();
 }
 
 }  // namespace crumple::cpu

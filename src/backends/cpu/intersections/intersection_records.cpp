@@ -13,12 +13,14 @@ void LeafRecords::build(const IntersectKernels& kernels, const BuildInput& input
     built.resize_discard(static_cast<std::size_t>(input.members + padding));
     kernels.build(input, built.data(), members.boxes, members.bounds);
     reach = members.bounds.reach;
+    stars.find(input, members);
 }
 
 void LeafRecords::sort(const IntersectKernels& kernels, const SortedLeaf& leaf) {
     sorted.resize_discard(static_cast<std::size_t>(leaf.rows + padding));
     for_each_dummy(leaf, [&](std::int64_t row) { sorted[row] = no_triangle; });
     kernels.scatter(built.data(), leaf.members, leaf.position.data(), plane_scale(reach), sorted.data());
+    stars.sort(leaf);
 }
 
 }  // namespace crumple::cpu

@@ -10,7 +10,8 @@
 // The sweep needs this as 16 bits per member, the ownership bits, so that one AND decides. If there are up to 16 lower
 // clusters, and groups need no bits, their bits are copied from the masks. Otherwise each of them that occurs in the
 // leaf gets a bit; in the rare leaf in which more than 16 occur, the remaining ones are looked up in the masks, for
-// pairs that the sweep and, for most queries, the first filters have left.
+// pairs that the sweep and, for most queries, the first filters have left. Bits that remain are used by
+// intersections/vertex_stars.h.
 
 #include <algorithm>
 #include <array>
