@@ -368,7 +368,7 @@ def test_statistics_are_equal_if_all_fields_are(detector):
     one, other = (detector.intersections(mesh).statistics for mesh in (MESH, OTHER))
     same = pickle.loads(pickle.dumps(one))
     fields = [name for name in dir(crumple.Statistics) if not name.startswith("_")]
-    assert set(one.__getstate__()) == set(fields) and len(fields) == 18
+    assert set(one.__getstate__()) == set(fields) and len(fields) == 19
     assert all(getattr(same, name) == getattr(one, name) for name in fields)
     assert one == same != other and not one != same and one != 3 and one is not None
     for name in fields:
