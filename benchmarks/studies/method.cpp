@@ -1,5 +1,6 @@
 // Study of Options::method in whole searches: sweep directions and rules of membership, on the same scene. The studies
-// `axes` and `membership` compare more variants, in programs of their own.
+// `axes` and `membership` compare more variants, in programs of their own. Times of rules of membership include the
+// detector's comparison with the default rule.
 
 #include <fmt/format.h>
 

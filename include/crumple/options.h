@@ -39,8 +39,7 @@ enum class SweepDirection : std::uint8_t { pca, x, y, z, given };
 /// is nearest to its centroid. It also joins another cluster if:
 enum class Membership : std::uint8_t {
     /// The ball around its centroid that contains the triangle reaches the plane that bisects the two clusters'
-    /// centres.
-    /// Loses no pair.
+    /// centres. Loses no pair.
     ball,
     /// Its centroid is at most R / 2 from that plane, where R is the largest radius of all balls: the overlap of two
     /// clusters is then as wide as [MZ] eq. 5 demands at least. May lose pairs.

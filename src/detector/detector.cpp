@@ -59,10 +59,12 @@ struct Detector::Implementation : MeshCalls {
             return "poses in device memory need the cuda backend (Options::backend)";
         return "";
     }
+    /// True if searches may lose pairs. The reference backend ignores the rule of membership, and cuda has only `ball`.
+    bool may_lose_pairs() const { return working == Backend::cpu && options.method.membership != Membership::ball; }
     /// Returns why results of this query would not say that pairs may be missing; empty if they do.
     template <class Query>
     const char* refusal_of_membership(const Query& query) const {
-        if (options.method.membership == Membership::ball) return "";
+        if (!may_lose_pairs()) return "";
         constexpr const char* reason =
             "this query needs the membership rule ball: its result could not say that pairs may be missing";
         if constexpr (std::same_as<Query, IntersectionQuery>) return query.containment ? reason : "";
@@ -188,7 +190,7 @@ struct Detector::Implementation : MeshCalls {
 
     template <class Query>
     bool any(const Scene& scene, const Query& query, std::stop_token stop) {
-        if (options.method.membership != Membership::ball)
+        if (may_lose_pairs())
             refuse("any() needs the membership rule ball: its result could not say that pairs may be missing");
         if constexpr (std::same_as<Query, IntersectionQuery>) {
             if (query.containment) return has_any(scene, query, std::move(stop));

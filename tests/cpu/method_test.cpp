@@ -222,6 +222,8 @@ TEST(Method, reference_ignores_the_method) {
     Detector detector(options);
     EXPECT_EQ(pairs_of(detector.find(soup.view())), (std::vector<Pair>{{0, 1}}));
     EXPECT_TRUE(detector.find(soup.view()).statistics.complete);
+    EXPECT_TRUE(detector.any(soup.view()));
+    EXPECT_TRUE(detector.supports(soup.view(), OverlapQuery()));
 }
 
 TEST(Method, wrong_settings_are_rejected) {
