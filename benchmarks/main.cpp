@@ -100,7 +100,8 @@ int main(int argc, char** argv) {
     for (const Study& study : studies()) study_names.emplace_back(study.name);
 
     CLI::App app("Times crumple and its peers alternately; or, with --study, crumple alone.");
-    app.add_option("--scene", settings.scenes, "workload [any:|between:]SCENE[:TRIANGLES]; may be repeated");
+    app.add_option("--scene", settings.scenes,
+                   "workload [any:|between:]SCENE[:TRIANGLES], [any:]FILE or between:FILE,FILE; may be repeated");
     app.add_option("--peer", settings.peers, "peer; may be repeated")->check(CLI::IsMember(built_peers()));
     app.add_option("--study", settings.study_names, "study, or all; may be repeated")
         ->check(CLI::IsMember(study_names));

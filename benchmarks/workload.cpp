@@ -53,6 +53,30 @@ io::TriangleMesh groups_of(const io::TriangleMesh& mesh, int remainder) {
     return part;
 }
 
+/// Returns the path of a mesh file that the user names, or an empty path if the name is not that of a file.
+fs::path user_file(const std::string& name) {
+    std::error_code missing;
+    return fs::is_regular_file(name, missing) ? fs::path(name) : fs::path();
+}
+
+/// Reads the mesh or, for `between`, the two meshes that the user names. Returns false if the name is not that of
+/// files.
+bool read_user_files(const std::string& name, bool between, Workload& workload) {
+    const std::size_t comma = between ? name.find(',') : name.npos;
+    const fs::path a = user_file(name.substr(0, comma)),
+                   b = comma == name.npos ? fs::path() : user_file(name.substr(comma + 1));
+    if (a.empty()) return false;
+    if (between && b.empty())
+        throw Error(ErrorCode::invalid_argument, "between: needs a scene or two files, as in between:a.ply,b.ply");
+    workload.a = io::read_mesh(a);
+    workload.a.groups.clear();
+    if (!between) return true;
+    workload.b = io::read_mesh(b);
+    workload.b.groups.clear();
+    workload.query = Query::between;
+    return true;
+}
+
 }  // namespace
 
 fs::path data_folder() {
@@ -95,7 +119,7 @@ Workload load(const std::string& name) {
         workload.query = real->query;
         workload.a = io::read_mesh(data_folder() / real->a, options);
         if (*real->b) workload.b = io::read_mesh(data_folder() / real->b, options);
-    } else {
+    } else if (!read_user_files(scene, between, workload)) {
         const auto [procedural, parameters] = parse(scene);
         workload.a = scenes::make(procedural, parameters);
         if (between) {

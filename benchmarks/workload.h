@@ -2,11 +2,12 @@
 
 // Workloads: one or two meshes, and a query about them.
 //
-// A workload is named [any:|between:]SCENE[:TRIANGLES][@FRAME]. SCENE is a short name of files (real_scenes()) or a
-// procedural scene of crumple::scenes. FRAME is the last frame by default. Without a prefix, the query of a scene from
-// files is the one in the list of these scenes (workload.cpp), and that of a procedural scene is all colliding pairs of
-// one mesh. `any` finds only whether anything collides. `between` makes two meshes of a procedural scene, its even and
-// its odd groups, and finds the pairs between them.
+// A workload is named [any:|between:]SCENE[:TRIANGLES][@FRAME], [any:]FILE or between:FILE,FILE. SCENE is a short name
+// of files (real_scenes()) or a procedural scene of crumple::scenes; FILE is a mesh of the user. FRAME is the last
+// frame by default. Without a prefix, the query of a scene from files is the one in the list of these scenes
+// (workload.cpp), and that of a procedural scene is all colliding pairs of one mesh. `any` finds only whether anything
+// collides. `between` makes two meshes of a procedural scene, its even and its odd groups, and finds the pairs between
+// them.
 
 #include <cstdint>
 #include <filesystem>

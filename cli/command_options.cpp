@@ -198,6 +198,44 @@ void parse_fuzzy_c_means(const std::vector<std::string>& settings, FuzzyCMeans& 
     }
 }
 
+/// Parses a sweep direction: one of the words pca, x, y and z, or three numbers.
+void parse_sweep(const std::vector<std::string>& words, Method& method) {
+    static const Choices<SweepDirection> named{
+        {"pca", SweepDirection::pca}, {"x", SweepDirection::x}, {"y", SweepDirection::y}, {"z", SweepDirection::z}};
+    method.direction = {};
+    if (words.size() == 1) {
+        method.sweep = chosen("--sweep", words[0], named);
+        return;
+    }
+    if (words.size() != 3) fail("--sweep: pca, x, y, z or three numbers are expected, as in 1,0,0.5");
+    method.sweep = SweepDirection::given;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto value = io::number_of(words[i]);
+        if (!value || !std::isfinite(*value)) fail("--sweep: " + words[i] + " is not a number");
+        method.direction[i] = *value;
+    }
+    if (method.direction == std::array<double, 3>{}) fail("--sweep 0,0,0: a direction must not be 0");
+}
+
+/// Parses a membership rule: ball, equation_5, or "threshold=0.2".
+void parse_membership(const std::string& text, Method& method) {
+    constexpr std::string_view with_number = "threshold=";
+    method.threshold = 0;
+    if (text == "ball") {
+        method.membership = Membership::ball;
+    } else if (text == "equation_5") {
+        method.membership = Membership::equation_5;
+    } else if (text.starts_with(with_number)) {
+        const auto value = io::number_of(text.substr(with_number.size()));
+        if (!value || !(*value >= 0 && *value <= 1))
+            fail("--membership " + text + ": a number from 0 to 1 is expected");
+        method.membership = Membership::threshold;
+        method.threshold = *value;
+    } else {
+        fail("--membership " + text + ": ball, equation_5 or threshold=U is expected");
+    }
+}
+
 }  // namespace
 
 void add_cost_options(CLI::App& app, Options& options) {
@@ -230,6 +268,24 @@ void add_cost_options(CLI::App& app, Options& options) {
                    "Number of clusters of the first level, 1 to 64; without it, chosen by the size of the scene")
         ->type_name("N")
         ->check(integer(1, 64));
+    app.add_option("--leaf-size", options.leaf_size,
+                   "Number of triangles that a leaf should have: larger clusters are divided into leaves; 3000 by "
+                   "default")
+        ->type_name("N")
+        ->check(integer(1, std::numeric_limits<int>::max()));
+    app.add_option_function<std::vector<std::string>>(
+           "--sweep", [&options](const std::vector<std::string>& words) { parse_sweep(words, options.method); },
+           "Direction along which leaves are swept, for researchers: the principal component of each leaf (pca, the "
+           "default), a coordinate axis, or a vector, as in 1,0,0.5")
+        ->type_name("pca|x|y|z|X,Y,Z")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    app.add_option_function<std::string>(
+           "--membership", [&options](const std::string& text) { parse_membership(text, options.method); },
+           "Rule by which triangles join clusters, for researchers: ball, the default, loses no pair; equation_5 of "
+           "Mainzer and Zachmann's paper, and a threshold of membership from 0 to 1, may lose pairs, and then a "
+           "warning is printed")
+        ->type_name("ball|equation_5|threshold=U");
     app.add_option_function<std::vector<std::string>>(
            "--fuzzy-c-means",
            [&options](const std::vector<std::string>& settings) {
@@ -255,6 +311,10 @@ void check_cost_options(const Options& options) {
     if (options.backend != Backend::reference) return;
     if (options.threads) fail("--threads does not apply to --backend reference, which has one thread");
     if (options.clusters) fail("--clusters does not apply to --backend reference, which has no clusters");
+    if (options.leaf_size != Options().leaf_size)
+        fail("--leaf-size does not apply to --backend reference, which has no leaves");
+    if (options.method != Method())
+        fail("--sweep and --membership do not apply to --backend reference, which has no clusters");
 }
 
 void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,

@@ -66,7 +66,7 @@ void add_reading_options(CLI::App& app, ReadingOptions& options);
 /// Adds `--groups` and `--filter`.
 void add_group_options(CLI::App& app, QueryOptions& options);
 void add_query_options(CLI::App& app, QueryOptions& options);
-/// Adds options that change only the cost of a search, not its result.
+/// Adds the options of the detector: all that change only the cost of a search, not its result, and `--membership`.
 void add_cost_options(CLI::App& app, Options& options);
 
 /// Throws Error (invalid_argument) if an option was given that the chosen backend does not use.

@@ -34,5 +34,6 @@ Command add_info(CLI::App& app);
 Command add_verify(CLI::App& app);
 Command add_make(CLI::App& app);
 Command add_convert(CLI::App& app);
+Command add_clusters(CLI::App& app);
 
 }  // namespace crumple::cli

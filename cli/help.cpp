@@ -22,7 +22,7 @@ const std::vector<Group>& groups() {
     static const std::vector<Group> all{
         {"Options",
          {"output", "check", "json", "contacts", "radius", "first", "triangle-pairs", "candidates", "overlaps",
-          "body-pairs", "groups", "filter", "help"}},
+          "leaves", "body-pairs", "groups", "filter", "help"}},
         {"What counts",
          {"neighbours",
           "kind",
@@ -33,6 +33,7 @@ const std::vector<Group>& groups() {
           "approaching-only",
           "inflation",
           "kinds",
+          "with-neighbours",
           "below",
           "radii",
           "rings",
@@ -50,9 +51,9 @@ const std::vector<Group>& groups() {
           "clearance"}},
         {"Bodies", {"excluded-bodies", "excluded-bodies-from", "poses", "any-by-world"}},
         {"Reading files", {"unit", "weld", "no-weld", "precision", "triangulation", "strict"}},
-        {"Output format and progress", {"format", "stream", "stats", "progress"}},
-        {"Threads, memory and CUDA",
-         {"threads", "memory-limit", "clusters", "fuzzy-c-means", "backend", "device", "devices"}},
+        {"Output format and progress", {"format", "stream", "repeat", "stats", "progress"}},
+        {"Threads, memory and CUDA", {"threads", "memory-limit", "backend", "device", "devices"}},
+        {"Method", {"clusters", "leaf-size", "sweep", "membership", "fuzzy-c-means"}},
     };
     return all;
 }

@@ -33,8 +33,9 @@ int run(int argc, char** argv) {
         "(check), or a list is wrong (verify); 2 wrong use or bad input; 3 out of memory: under --memory-limit, the\n"
         "message has a lower bound on the bytes needed; 130 interrupted.\n\n"
         "Example: crumple detect bunny.ply -o pairs.txt --stats");
-    const std::array commands{add_detect(app),   add_check(app), add_impacts(app), add_near(app), add_overlap(app),
-                              add_sequence(app), add_info(app),  add_verify(app),  add_make(app), add_convert(app)};
+    const std::array commands{add_detect(app),  add_check(app),    add_impacts(app), add_near(app),
+                              add_overlap(app), add_sequence(app), add_info(app),    add_verify(app),
+                              add_make(app),    add_convert(app),  add_clusters(app)};
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& success) {

@@ -220,6 +220,12 @@ IntersectionQuery query_of(const QueryOptions& query_options) {
     return query;
 }
 
+void SearchSession::warn_of_losses(const Statistics& statistics) {
+    if (statistics.complete || std::exchange(has_warned_, true)) return;
+    print_warning(
+        "pairs may be missing: with this --membership, some triangles are not in all clusters that they reach");
+}
+
 IntersectionQuery SearchSession::query() const { return query_of(query_options_); }
 
 Error with_name(const std::string& name, const Error& error) {
@@ -290,27 +296,45 @@ const Intersections& SearchSession::find(const InputMeshes& input) {
         const auto [index, count] = *query_options_.part;
         detector_.find(detector_.partition(scene, query(), count)[static_cast<std::size_t>(index) - 1], query());
         detector_.swap_result(of_part_);
+        warn_of_losses(of_part_.statistics);
         index_by_triangle(of_part_, input.first.triangle_count(), input.second ? input.second->triangle_count() : 0);
         return of_part_;
     });
 }
 
 bool SearchSession::any(const InputMeshes& input) {
-    if (query_options_.part) return find(input).any;
+    if (query_options_.part || detector_.options().method.membership != Membership::ball)
+        return find(input).statistics.pairs > 0;
     return on_scene(input, nullptr, [&](const Scene& scene) { return detector_.any(scene, query()); });
+}
+
+Clustering SearchSession::cluster(const InputMeshes& input) {
+    Clustering clustering = on_scene(input, nullptr, [&](const Scene& scene) { return detector_.cluster(scene); });
+    Statistics statistics;
+    statistics.complete = clustering.complete;
+    warn_of_losses(statistics);
+    return clustering;
 }
 
 template <class Query>
 const typename Query::Result& SearchSession::find(const InputMeshes& input, const Query& query,
                                                   const io::TriangleMesh* end) {
     return on_scene(
-        input, end, [&](const Scene& scene) -> auto& { return detector_.find(scene, query); });
+        input, end, [&](const Scene& scene) -> auto& {
+            const auto& found = detector_.find(scene, query);
+            warn_of_losses(found.statistics);
+            return found;
+        });
 }
 
 template <class Query>
 Statistics SearchSession::stream(const InputMeshes& input, const Query& query,
                                  FunctionRef<void(const typename Query::Result&)> take, const io::TriangleMesh* end) {
-    return on_scene(input, end, [&](const Scene& scene) { return detector_.stream(scene, query, take); });
+    return on_scene(input, end, [&](const Scene& scene) {
+        const Statistics statistics = detector_.stream(scene, query, take);
+        warn_of_losses(statistics);
+        return statistics;
+    });
 }
 
 template const Impacts& SearchSession::find(const InputMeshes&, const ImpactQuery&, const io::TriangleMesh*);
@@ -373,7 +397,9 @@ template <class Query>
 const typename Query::Result& SearchSession::find(const BodyOrigins& origins, std::int64_t first_configuration,
                                                   const World& world, const Query& query) {
     try {
-        return detector_.find(world, query);
+        const auto& found = detector_.find(world, query);
+        warn_of_losses(found.statistics);
+        return found;
     } catch (const Error& error) {
         throw with_origin(error, origins, first_configuration);
     }

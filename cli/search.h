@@ -107,6 +107,8 @@ class SearchSession {
     const Intersections& find(const InputMeshes& input);
     /// True if any triangles collide. Stops at the first pair, except with --part. Throws as find() does.
     bool any(const InputMeshes& input);
+    /// Returns the clusters of a search for colliding triangles (Detector::cluster). Throws as find() does.
+    Clustering cluster(const InputMeshes& input);
     /// Runs a query about features of one mesh or two. A single mesh moves to `end`, unless that is null; check its
     /// faces with check_same_faces() before. The result is valid until the next call. Throws Error that names the
     /// input.
@@ -131,7 +133,10 @@ class SearchSession {
 
    private:
     IntersectionQuery query() const;
+    /// Prints a warning if pairs may be missing, once in a session.
+    void warn_of_losses(const Statistics& statistics);
     QueryOptions query_options_;
+    bool has_warned_ = false;
     std::unique_ptr<AllowedThreads> threads_;
     Detector detector_;
     Intersections of_part_;

@@ -68,7 +68,7 @@ void print_statistics(const Statistics& s, const std::string& remark) {
     row("edge tests", s.edge_tests);
     row("double tests", s.double_tests);
     row("exact tests", s.exact_tests, fmt::format("{} in rational numbers", grouped(s.rational_tests)));
-    row("pairs", s.pairs, remark);
+    row("pairs", s.pairs, s.complete ? remark : remark + "; pairs may be missing");
     if (s.rational_contacts > 0)
         row("contacts", s.pairs, fmt::format("{} in rational numbers", grouped(s.rational_contacts)));
     print_row("peak memory", readable_bytes(s.peak_memory_bytes));
@@ -84,6 +84,7 @@ void add(Statistics& sum, const Statistics& more) {
         sum.*count += more.*count;
     }
     sum.peak_memory_bytes = std::max(sum.peak_memory_bytes, more.peak_memory_bytes);
+    sum.complete = sum.complete && more.complete;
     sum.threads = more.threads;
     sum.backend = more.backend;
     sum.simd = more.simd;

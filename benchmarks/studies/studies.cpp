@@ -25,6 +25,7 @@ constexpr std::array list{
     Study{"ground", "two huge triangles under the cloth", study_ground},
     Study{"virtual_subdivision", "large triangles cut into pieces: what [MZ] 5.1 proposes", study_virtual_subdivision},
     Study{"membership", "[MZ]'s rules of membership and local ones: members added, time, pairs lost", study_membership},
+    Study{"method", "Options::method: sweep directions and rules of membership in whole searches", study_method},
     Study{"axes", "principal components against fixed axes, three axes of a box against two", study_axes},
     Study{"parts", "2 to 64 parts searched separately: how work grows, and the largest part", study_parts},
     Study{"ranks", "2 to 64 simulated ranks: balance, work relative to one process, bytes sent", study_ranks},

@@ -49,6 +49,7 @@ nlohmann::json study_cost_per_box_overlap(const StudySettings& settings);
 nlohmann::json study_ground(const StudySettings& settings);
 nlohmann::json study_virtual_subdivision(const StudySettings& settings);
 nlohmann::json study_membership(const StudySettings& settings);
+nlohmann::json study_method(const StudySettings& settings);
 nlohmann::json study_axes(const StudySettings& settings);
 nlohmann::json study_parts(const StudySettings& settings);
 nlohmann::json study_ranks(const StudySettings& settings);

@@ -22,6 +22,7 @@ CandidateQuery CandidateOptions::query(const QueryOptions& query_options) const 
     CandidateQuery query;
     if (!kinds.empty()) query.kinds = kinds;
     query.inflation = inflation;
+    query.neighbours = neighbours;
     query.weld = query_options.weld.value_or(false);
     query.filter.groups = query_options.filter.value_or(PairScope::both);
     return query;
@@ -45,7 +46,10 @@ std::vector<const CLI::Option*> add_candidate_options(CLI::App& app, CandidateOp
             ->type_name("KIND,...")
             ->delimiter(',')
             ->allow_extra_args(false);
-    return {inflation, kinds};
+    const CLI::Option* const neighbours = app.add_flag(
+        "--with-neighbours", options.neighbours,
+        "With " + with + ": also list pairs with a common vertex, such as an edge and a face that contains it");
+    return {inflation, kinds, neighbours};
 }
 
 }  // namespace crumple::cli

@@ -39,6 +39,7 @@ struct Sequence {
     Options options;
     MotionOptions motion;
     bool json = false, check = false, stats = false, impacts = false;
+    int repeat = 1;  ///< number of searches of each frame or step
 
     void check_impacts() const {
         if (motion.any() && !impacts)
@@ -101,11 +102,31 @@ struct Sequence {
         return written;
     }
 
+    /// Statistics of the search with the median time (of an even number, the faster one of the middle two), and times.
+    struct Median {
+        Statistics statistics;
+        Repeats repeats;
+    };
+    /// Calls find(), which returns a result, `repeat` times, and writes the median. Returns the last result.
+    template <class Find>
+    const auto& find_repeatedly(Median& median, Find find) const {
+        std::vector<Statistics> all;
+        for (int i = 1; i < repeat; ++i) all.push_back(find().statistics);
+        const auto& found = find();
+        all.push_back(found.statistics);
+        std::sort(all.begin(), all.end(),
+                  [](const Statistics& a, const Statistics& b) { return a.milliseconds < b.milliseconds; });
+        median = {all[(all.size() - 1) / 2], {repeat, all.front().milliseconds, all.back().milliseconds}};
+        return found;
+    }
+
     /// Finds the impacts of the step from `start` to `end`. Then moves `end` to `start`, for the next step.
-    const Impacts& find_step(SearchSession& search, InputMeshes& start, InputMeshes&& end) const {
+    const Impacts& find_step(SearchSession& search, InputMeshes& start, InputMeshes&& end, Median& median) const {
         check_same_faces(start, end.name, end.first);
         start.name += " to " + end.name;
-        const Impacts& found = search.find(start, motion.query(query_options, Output::pairs), &end.first);
+        const Impacts& found = find_repeatedly(median, [&]() -> const Impacts& {
+            return search.find(start, motion.query(query_options, Output::pairs), &end.first);
+        });
         start = std::move(end);
         return found;
     }
@@ -119,10 +140,11 @@ struct Sequence {
         Progress progress(count);
         std::size_t i = 0;
         const auto is_good = [](const StatisticsTable& table) { return table.is_good(); };
-        const auto add_row = [&](const Statistics& statistics, const FirstImpact& first = {}) {
+        Median median;
+        const auto add_row = [&](const FirstImpact& first = {}) {
             progress.clear();
-            for (StatisticsTable& table : tables) table.add(frames.name(i), statistics, first);
-            add(sum, statistics);
+            for (StatisticsTable& table : tables) table.add(frames.name(i), median.statistics, median.repeats, first);
+            add(sum, median.statistics);
         };
         try {
             std::optional<InputMeshes> start;
@@ -131,13 +153,13 @@ struct Sequence {
                 if (impacts) {
                     const QueryOptions reading = reading_of_motion(query_options);
                     if (!start) start = frames.load(i, reading);
-                    const Impacts& found = find_step(search, *start, frames.load(i + 1, reading));
-                    add_row(found.statistics, found.first);
+                    add_row(find_step(search, *start, frames.load(i + 1, reading), median).first);
                     continue;
                 }
                 const InputMeshes input = frames.load(i, query_options);
-                const Intersections& found = search.find(input);
-                add_row(found.statistics);
+                const Intersections& found =
+                    find_repeatedly(median, [&]() -> const Intersections& { return search.find(input); });
+                add_row();
                 pictures.add(input, found);
                 hits += count_hits(found);
             }
@@ -179,10 +201,11 @@ Command add_sequence(CLI::App& app) {
         ->type_name("N")
         ->check(integer(0, std::numeric_limits<std::int64_t>::max()));
     command
-        .add_option("-o,--output", sequence->outputs,
-                    "Table with one row per frame, of triangles, pairs, time and stages, as .csv or .json; or coloured "
-                    "meshes, as one animated .glb or numbered .ply or .obj. May be repeated. - is standard output, see "
-                    "--format. Without it, the table is printed as CSV")
+        .add_option(
+            "-o,--output", sequence->outputs,
+            "Table with one row per frame, of pairs, times and counts of the stages, as .csv or .json; or coloured "
+            "meshes, as one animated .glb or numbered .ply or .obj. May be repeated. - is standard output, see "
+            "--format. Without it, the table is printed as CSV")
         ->type_name("OUT")
         ->allow_extra_args(false);
     command.add_flag("--json", sequence->json, "Print the table as JSON instead of CSV");
@@ -194,6 +217,13 @@ Command add_sequence(CLI::App& app) {
     add_query_options(command, sequence->query_options);
     command.add_flag("--contacts", sequence->query_options.contacts,
                      "Also compute where each pair meets; this time counts towards the stage `output`");
+    command
+        .add_option("--repeat", sequence->repeat,
+                    "Search each frame or step N times: a row has the times and counts of the search with the median "
+                    "time, and the least and the greatest time. All searches but the first start from the cluster "
+                    "centres of the same frame")
+        ->type_name("N")
+        ->check(integer(1, 1'000'000));
     command.add_flag("--check", sequence->check,
                      "Exit with status 1 if anything collides in any frame, or touches in any step");
     command.add_flag("--stats", sequence->stats, "Print times and counts, summed over all frames, to standard error");

@@ -16,6 +16,12 @@
 
 namespace crumple::cli {
 
+/// Times of the searches of one frame or step, if it is searched several times.
+struct Repeats {
+    int count = 1;
+    double least = 0, greatest = 0;  ///< milliseconds of the fastest and of the slowest search
+};
+
 /// Table as CSV or JSON. Each row is flushed when it is added. A file appears only when finish() is called.
 class StatisticsTable {
    public:
@@ -24,9 +30,10 @@ class StatisticsTable {
     /// Writes to a stream, which must outlive the table.
     StatisticsTable(std::ostream& out, bool json, bool impacts) : out_(&out), json_(json), impacts_(impacts) {}
 
-    /// Adds a row. `first`: first impact of a step; ignored if rows are frames. Throws Error (file) if the file cannot
-    /// be created.
-    void add(const std::string& frame, const Statistics& statistics, const FirstImpact& first = {});
+    /// Adds a row. `statistics`: those of the search with the median time. `first`: first impact of a step; ignored if
+    /// rows are frames. Throws Error (file) if the file cannot be created.
+    void add(const std::string& frame, const Statistics& statistics, const Repeats& repeats,
+             const FirstImpact& first = {});
     /// True if all rows so far could be written.
     bool is_good() const { return !out_ || *out_; }
     /// Completes the table. Writes nothing if it has no rows. Throws Error (file) if the file could not be written.

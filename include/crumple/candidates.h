@@ -30,8 +30,8 @@ constexpr std::string_view candidate_kind_name(CandidateKind kind) {
 /// Query for all pairs of features whose inflated boxes overlap: the broad phase for a narrow phase of the caller
 /// (docs/candidates.md). The box of a feature is axis-aligned, contains its vertices at the start and, if they move, at
 /// the end, and is inflated by `inflation` on all sides. Two features are a candidate pair if they have no common
-/// vertex and the gap between their original boxes is at most twice the inflation on every axis, in real numbers. A
-/// value: it owns its data.
+/// vertex (unless `neighbours` is set) and the gap between their original boxes is at most twice the inflation on every
+/// axis, in real numbers. A value: it owns its data.
 struct CandidateQuery {
     using Result = Candidates;
     using DeviceResult = DeviceCandidates;
@@ -42,6 +42,9 @@ struct CandidateQuery {
     /// rounded.
     double inflation = 0;
     bool weld = false;  ///< vertices with equal positions at start and end count as one common vertex
+    /// Also lists pairs with a common vertex, such as an edge and a face that contains it, but no feature with itself.
+    /// Not supported by the cuda backend.
+    bool neighbours = false;
     PairFilter filter = {};
 };
 

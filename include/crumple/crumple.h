@@ -5,6 +5,7 @@
 
 #include "crumple/array.h"
 #include "crumple/candidates.h"
+#include "crumple/clustering.h"
 #include "crumple/detector.h"
 #include "crumple/device.h"
 #include "crumple/distances.h"

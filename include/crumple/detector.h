@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "crumple/candidates.h"
+#include "crumple/clustering.h"
 #include "crumple/device_features.h"
 #include "crumple/distances.h"
 #include "crumple/export.h"
@@ -152,6 +153,15 @@ class CRUMPLE_API Detector {
     /// limit. A stop has no effect after the meshes have been read.
     template <PartQuery Query = IntersectionQuery>
     std::vector<Part> partition(const Scene& scene, const Query& query, int count, std::stop_token stop = {});
+
+    /// Returns the clusters and leaves into which the next find() would divide this scene for an IntersectionQuery, and
+    /// the frames in which it would sweep the leaves. Does not change the detector: the next call starts from the same
+    /// cluster centres as without this call.
+    ///
+    /// For one mesh or two in host memory, with the cpu backend; throws Error (invalid_argument) for other scenes and
+    /// backends. A search under a memory limit that it exceeds uses other clusters than those returned. Cost: the
+    /// stages `bounds` and `subdivide` of find(), and the arrays. Their memory is not counted by the memory limit.
+    Clustering cluster(const Scene& scene, std::stop_token stop = {});
 
     /// Swaps the last result of this type with `other`. Afterwards `other` outlives the detector's next call and the
     /// detector, and the memory limit no longer counts it. The detector's result is empty; it reuses the old storage of

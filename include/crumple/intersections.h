@@ -64,6 +64,9 @@ struct Statistics {
     std::int64_t rational_contacts = 0;
     std::int64_t pairs = 0;
     std::int64_t peak_memory_bytes = 0;  ///< most bytes that the detector has owned
+    /// False if rows may be missing, because a triangle is not in all clusters in which it could meet others
+    /// (Method::membership). Always true with the default membership rule.
+    bool complete = true;
     int threads = 1;
     std::string_view backend;  ///< "reference", "cpu", "cuda"
     std::string_view simd;     ///< Highway's name of the instruction set: "scalar", "SSE4", "AVX2", "AVX3_DL", ...

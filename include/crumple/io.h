@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "crumple/clustering.h"
 #include "crumple/export.h"
 #include "crumple/intersections.h"
 #include "crumple/mesh.h"
@@ -266,6 +267,20 @@ CRUMPLE_API void write_coloured(std::ostream& out, const WorldMesh& world, const
 /// page may contain several.
 CRUMPLE_API std::string to_html(const TriangleMesh& mesh, const TriangleMesh* second, const Intersections& collisions,
                                 int height = 480);
+
+/// Groups of triangles that a picture of a clustering distinguishes by colours.
+enum class ColouredBy : std::uint8_t { clusters, leaves };
+
+/// Writes a mesh with each triangle in the colour of its nearest cluster or leaf, darker if it belongs to several of
+/// them, and grey if the search leaves it out: .ply, .obj (with a .mtl file), .glb, .3mf or .html, which also shows the
+/// sweep direction of each leaf as a line through the leaf. There are 64 colours; leaves beyond these repeat them.
+/// `second` may be null. The clustering must be that of the meshes. Throws as write_coloured does for collisions.
+CRUMPLE_API void write_coloured(const std::filesystem::path& path, const TriangleMesh& mesh, const TriangleMesh* second,
+                                const Clustering& clustering, ColouredBy groups);
+
+/// Writes the arrays of a clustering, under the names of its members, as .json or .npz; `axes` has 9 numbers per leaf.
+/// Throws Error (file, invalid_argument).
+CRUMPLE_API void write_clustering(const std::filesystem::path& path, const Clustering& clustering);
 
 /// Converts collisions of triangles to collisions of the files' polygons: ids, offsets and hits are those of polygons,
 /// each pair once. (p, p) is a polygon with two colliding triangles. The collisions must be those of all triangles of

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -30,7 +31,40 @@ struct FuzzyCMeans {
     friend bool operator==(const FuzzyCMeans&, const FuzzyCMeans&) = default;
 };
 
-/// Configuration of a Detector. No option changes a result, only its cost.
+/// Direction along which leaves are swept: the first principal component of the members' centroids ([MZ] sec. 3), a
+/// coordinate axis, or Method::direction.
+enum class SweepDirection : std::uint8_t { pca, x, y, z, given };
+
+/// Rule by which triangles join clusters and leaves (docs/subdivide.md). Each triangle joins the cluster whose centre
+/// is nearest to its centroid. It also joins another cluster if:
+enum class Membership : std::uint8_t {
+    /// The ball around its centroid that contains the triangle reaches the plane that bisects the two clusters'
+    /// centres. Loses no pair.
+    ball,
+    /// Its centroid is at most R / 2 from that plane, where R is the largest radius of all balls: the overlap of two
+    /// clusters is then as wide as [MZ] eq. 5 demands at least. May lose pairs.
+    equation_5,
+    /// Its membership u in the cluster ([MZ] eq. 3) is at least Method::threshold. May lose pairs.
+    threshold
+};
+
+/// Steps of the method that researchers may vary. Only the cpu backend has variants: the reference has no clusters and
+/// ignores them, and the cuda backend refuses them.
+struct Method {
+    SweepDirection sweep = SweepDirection::pca;  ///< changes no result
+    std::array<double, 3> direction = {};        ///< for SweepDirection::given: finite, not 0, of any length
+    /// Rules other than `ball` may lose pairs. The detector compares each triangle's clusters with those of `ball`, and
+    /// sets Statistics::complete to false if one is missing. Supported by find() and stream() for queries about
+    /// intersections (without containment), impacts, proximities and candidates; queries whose result has no
+    /// statistics, and overlaps, are refused. Public parts (Detector::partition) always use `ball`; so do ranks, which
+    /// refuse others.
+    Membership membership = Membership::ball;
+    double threshold = 0;  ///< for Membership::threshold: 0 (all clusters) to 1 (only the nearest)
+
+    friend bool operator==(const Method&, const Method&) = default;
+};
+
+/// Configuration of a Detector. No option changes a result, only its cost, except Method::membership.
 struct Options {
     Backend backend = Backend::automatic;
     /// Threads of the cpu backend, at most 1024, started when the detector is made; 0: as many as the machine has. With
@@ -49,6 +83,7 @@ struct Options {
     int clusters = 0;
     int leaf_size = 3000;  ///< target number of triangles per leaf: larger clusters are divided once more, if that pays
     FuzzyCMeans fuzzy_c_means = {};
+    Method method = {};
     Simd simd = Simd::automatic;
     int device = 0;  ///< CUDA device: its number in list_devices()
     /// Replaces `device`, which must then be 0: up to 64 different devices that share the work of queries about one

@@ -33,6 +33,7 @@ import functools as _functools
 from typing import Any as _Any
 
 from . import _versions  # noqa: F401, imported first: raises ImportError if two distributions are installed
+from ._clustering import Clustering
 from ._core import Part, Statistics, __version__
 from ._detector import Detector
 from ._device import DeviceArray as DeviceArray
@@ -65,6 +66,7 @@ from ._queries import (
     FuzzyCMeans,
     ImpactQuery,
     IntersectionQuery,
+    Method,
     OverlapQuery,
     PairFilter,
     ProximityQuery,
@@ -110,6 +112,7 @@ __all__ = [
     "Body",
     "CandidateQuery",
     "Candidates",
+    "Clustering",
     "Detector",
     "DeviceResult",
     "DistanceQuery",
@@ -130,6 +133,7 @@ __all__ = [
     "InvalidType",
     "MemoryLimit",
     "Mesh",
+    "Method",
     "OverlapQuery",
     "Overlaps",
     "PairFilter",

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Literal, overload
 
 from . import _core
+from ._clustering import Clustering
 from ._core import Statistics
 from ._device import Launch, stream_of
 from ._errors import InvalidInput, InvalidType, suggesting
@@ -21,10 +22,12 @@ from ._queries import (
     FuzzyCMeans,
     ImpactQuery,
     IntersectionQuery,
+    Method,
     OverlapQuery,
     ProximityQuery,
     Query,
     check_fuzzy_c_means,
+    check_method,
     keywords_of,
     query_of,
 )
@@ -61,6 +64,8 @@ class Detector(_core.Detector):
         Target number of triangles per leaf; larger clusters are subdivided again.
     fuzzy_c_means : FuzzyCMeans, optional
         Parameters of the placement of cluster centres.
+    method : Method, optional
+        Sweep direction and membership rule, for researchers.
     simd : {"automatic", "scalar", "sse4", "avx2", "avx512", "neon"}, default "automatic"
         Instruction set; "automatic" chooses the best that the machine supports.
     device : int, default 0
@@ -78,8 +83,9 @@ class Detector(_core.Detector):
 
     Notes
     -----
-    No option changes a result, only its cost. A detector caches buffers and cluster centres between calls, so one
-    detector for all frames of a simulation is faster than a new one per frame. The topology may change freely.
+    No option changes a result, only its cost, except `membership` of Method. A detector caches buffers and cluster
+    centres between calls, so one detector for all frames of a simulation is faster than a new one per frame. The
+    topology may change freely.
 
     A scene is one of:
 
@@ -119,6 +125,7 @@ class Detector(_core.Detector):
         clusters: int = 0,
         leaf_size: int = 3000,
         fuzzy_c_means: FuzzyCMeans = FuzzyCMeans(),
+        method: Method = Method(),
         simd: Simd = "automatic",
         device: int = 0,
         devices: Sequence[int] = (),
@@ -130,6 +137,7 @@ class Detector(_core.Detector):
             "clusters": clusters,
             "leaf_size": leaf_size,
             "fuzzy_c_means": check_fuzzy_c_means(fuzzy_c_means),
+            "method": check_method(method),
             "simd": simd,
             "device": device,
             "devices": devices,
@@ -383,6 +391,38 @@ class Detector(_core.Detector):
         """
         scene = scene_of(scene)
         return self._call("partition", scene, checked_query(scene, query), count)
+
+    @suggesting
+    def cluster(self, scene: Any) -> Clustering:
+        """Returns the clusters and leaves into which the next search for intersections would divide a scene.
+
+        Parameters
+        ----------
+        scene : Mesh or mesh-like, or [mesh, mesh]
+            One mesh or two, in host memory.
+
+        Returns
+        -------
+        Clustering
+            Centres, members of clusters and leaves, and the frames in which leaves are swept.
+
+        Raises
+        ------
+        InvalidInput
+            If the scene is invalid or of another kind, or the backend is not "cpu".
+
+        Notes
+        -----
+        Does not change the detector: the next call starts from the same cluster centres as without this call. A search
+        that exceeds a memory limit uses other clusters. Cost: the stages `bounds` and `subdivide` of a search, and the
+        arrays.
+
+        References
+        ----------
+        .. [1] D. Mainzer and G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", secs. 3 and 4, fig.
+           3.
+        """
+        return Clustering(**self._call("cluster", scene_of(scene), _ALL))
 
     @suggesting
     def launch(self, scene: Any, query: Query = _ALL, *, stream: Any = None) -> Launch:

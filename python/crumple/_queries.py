@@ -1,7 +1,7 @@
 """Queries: the type of a query selects what is searched for, and the type of the result.
 
 The members of a query are also the keyword arguments of the corresponding method of Detector. The extension module
-reads them by name (python/src/queries.cpp). FuzzyCMeans, an option of detectors, is declared here, too.
+reads them by name (python/src/queries.cpp). FuzzyCMeans and Method, options of detectors, are declared here, too.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ class IntersectionQuery(Query):
     index: bool = False
 
     _call: ClassVar[str] = "intersections"
-    _deliveries: ClassVar[frozenset[str]] = _OF_PAIRS
+    _deliveries: ClassVar[frozenset[str]] = _OF_PAIRS | {"cluster"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -338,13 +338,16 @@ class CandidateQuery(Query):
         Inflation of each box on all sides, 0 or more, in the units of the coordinates.
     weld : bool, default False
         True: vertices with equal positions at the start and at the end count as one common vertex.
+    neighbours : bool, default False
+        True: pairs with a common vertex are listed, too, such as an edge and a face that contains it, but no feature
+        with itself. Not supported by the cuda backend.
     filter : PairFilter, optional
         Pairs to test.
 
     Notes
     -----
     The box of a feature is axis-aligned and contains its vertices at the start and, if the scene moves, at the end. Two
-    features are a candidate if they have no common vertex and the gap between their original boxes, computed without
+    features are a candidate if they have no common vertex (unless `neighbours` is True) and the gap between their original boxes, computed without
     rounding, is at most twice `inflation` on every axis. So the lists are well-defined and complete
     (docs/candidates.md).
     """
@@ -352,6 +355,7 @@ class CandidateQuery(Query):
     kinds: CandidateKind | Iterable[CandidateKind] = ("vertex_face", "edge_edge")
     inflation: float = 0.0
     weld: bool = False
+    neighbours: bool = False
     filter: PairFilter = PairFilter()
 
     _call: ClassVar[str] = "candidates"
@@ -566,3 +570,49 @@ def check_fuzzy_c_means(given: FuzzyCMeans) -> FuzzyCMeans:
     if isinstance(given, FuzzyCMeans):
         return given
     raise InvalidType(f"fuzzy_c_means must be a crumple.FuzzyCMeans, not {type(given).__name__}", element="option")
+
+
+@dataclass(frozen=True)
+class Method:
+    """Steps of the method that researchers may vary. Only the cpu backend has variants.
+
+    Parameters
+    ----------
+    sweep : {"pca", "x", "y", "z"} or sequence of three float, default "pca"
+        Direction along which leaves are swept: the first principal component of each leaf ([1]_, sec. 3), a coordinate
+        axis, or a vector of any length but 0. Changes no result.
+    membership : {"ball", "equation_5", "threshold"}, default "ball"
+        Rule by which triangles join clusters and leaves. Each triangle joins the cluster whose centre is nearest to its
+        centroid. It joins another cluster if the ball around its centroid that contains it reaches the plane that
+        bisects the two centres ("ball"), if its centroid is at most half of the largest radius of all balls from that
+        plane ("equation_5": the overlap of two clusters is as wide as [1]_, eq. 5 demands), or if its membership in the
+        cluster ([1]_, eq. 3) is at least `threshold` ("threshold"). Only "ball" never loses a pair. With the others,
+        Detector compares each triangle's clusters with those of "ball", and `complete` of the result's Statistics is
+        False if one is missing. They are supported for intersections (without containment), impacts, proximities and
+        candidates; Detector raises InvalidInput for other queries that need clusters, and for `any`.
+    threshold : float, default 0
+        Membership from 0 (all clusters) to 1 (only the nearest), for "threshold".
+
+    References
+    ----------
+    .. [1] D. Mainzer and G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision".
+    """
+
+    sweep: Literal["pca", "x", "y", "z"] | Sequence[float] = "pca"
+    membership: Literal["ball", "equation_5", "threshold"] = "ball"
+    threshold: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.sweep, str) and isinstance(self.sweep, Iterable):
+            object.__setattr__(self, "sweep", tuple(self.sweep))
+
+    def __repr__(self) -> str:
+        given = ", ".join(f"{field.name}={getattr(self, field.name)!r}" for field in fields(self))
+        return f"crumple.Method({given})"
+
+
+def check_method(given: Method) -> Method:
+    """Returns `given` unchanged. Raises InvalidType if it is not a Method."""
+    if isinstance(given, Method):
+        return given
+    raise InvalidType(f"method must be a crumple.Method, not {type(given).__name__}", element="option")

@@ -39,10 +39,12 @@ from ._queries import (
     FuzzyCMeans,
     ImpactQuery,
     IntersectionQuery,
+    Method,
     OverlapQuery,
     ProximityQuery,
     Query,
     check_fuzzy_c_means,
+    check_method,
     keywords_of,
     query_of,
 )
@@ -73,7 +75,7 @@ from ._ranks import (
 
 Statistics = _mpi.Statistics
 Returned = TypeVar("Returned")
-Method = TypeVar("Method", bound=Callable[..., Any])
+Collective = TypeVar("Collective", bound=Callable[..., Any])
 
 __all__ = ["Detector", "Impacts", "Intersections", "LocalMesh", "LocalWorld", "Overlaps", "Proximities", "Statistics"]
 
@@ -92,14 +94,14 @@ def _check_library() -> None:
 _check_library()
 
 
-def _collective(fail: Callable[..., None]) -> Callable[[Method], Method]:
+def _collective(fail: Callable[..., None]) -> Callable[[Collective], Collective]:
     """Decorates methods that all ranks call, so that invalid arguments on one rank raise an error on all.
 
     If the arguments do not fit the signature, calls fail(error, self, *arguments, **named), which must notify the other
     ranks. They would otherwise wait for this rank.
     """
 
-    def decorate(method: Method) -> Method:
+    def decorate(method: Collective) -> Collective:
         suggested = suggesting(method)
         signature = inspect.signature(method)
 
@@ -153,8 +155,8 @@ class Detector:
         them.
     memory_limit : int, default 0
         Number of bytes that this rank's detector may own; 0: no limit.
-    backend, clusters, leaf_size, fuzzy_c_means, simd, device
-        As for crumple.Detector.
+    backend, clusters, leaf_size, fuzzy_c_means, method, simd, device
+        As for crumple.Detector, but `membership` of Method must be "ball".
 
     Raises
     ------
@@ -204,6 +206,7 @@ class Detector:
         clusters: int = 0,
         leaf_size: int = 3000,
         fuzzy_c_means: FuzzyCMeans = FuzzyCMeans(),
+        method: Method = Method(),
         simd: Simd = "automatic",
         device: int = 0,
     ) -> None:
@@ -214,6 +217,7 @@ class Detector:
             "clusters": clusters,
             "leaf_size": leaf_size,
             "fuzzy_c_means": check_fuzzy_c_means(fuzzy_c_means),
+            "method": check_method(method),
             "simd": simd,
             "device": device,
         }

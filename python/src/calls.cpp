@@ -106,6 +106,34 @@ std::vector<Part> partition(nb::handle self, nb::handle scene, nb::handle query,
                        call.detector.stop());
 }
 
+// Returns the arrays of a clustering by the names of its members, and `complete`.
+nb::dict cluster(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded) {
+    const Call<IntersectionQuery> call(self, scene, query, excluded);
+    const auto found = new Clustering;
+    const nb::capsule owner(found, [](void* p) noexcept { delete static_cast<Clustering*>(p); });
+    *found = without_gil([&] { return call.detector.cluster(call.view); }, call.detector.stop());
+    import_numpy();
+    nb::dict arrays;
+    const auto numbers = [&]<class Number>(const char* name, std::vector<Number>& values) {
+        arrays[name] = nb::ndarray<nb::numpy, Number>(values.data(), {values.size()}, owner);
+    };
+    const auto vectors = [&](const char* name, std::vector<Clustering::Vector>& values) {
+        arrays[name] = nb::ndarray<nb::numpy, double>(values.data(), {values.size(), 3}, owner);
+    };
+    vectors("centres", found->centres);
+    numbers("offsets", found->offsets);
+    numbers("clusters", found->clusters);
+    numbers("nearest_cluster", found->nearest_cluster);
+    numbers("leaf_cluster", found->leaf_cluster);
+    vectors("leaf_centres", found->leaf_centres);
+    arrays["axes"] = nb::ndarray<nb::numpy, double>(found->axes.data(), {found->axes.size(), 3, 3}, owner);
+    numbers("leaf_offsets", found->leaf_offsets);
+    numbers("members", found->members);
+    numbers("nearest_leaf", found->nearest_leaf);
+    arrays["complete"] = found->complete;
+    return arrays;
+}
+
 // Counts the rows of a block. block.count is not used, because it includes the rows of all earlier blocks.
 template <class Block>
 std::int64_t rows_of(const Block& block) {
@@ -179,6 +207,7 @@ void bind_calls(nb::class_<SharedDetector>& detector) {
     bind_stream<OverlapQuery>(detector, "overlaps");
     bind_find<FirstImpactQuery>(detector, "first_impact");
     bind_find<FreeStepQuery>(detector, "free_step");
+    detector.def("_cluster_intersections", cluster, "scene"_a, "query"_a, "excluded"_a.none());
 }
 
 }  // namespace crumple::python

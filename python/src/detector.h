@@ -62,6 +62,7 @@ class SharedDetector {
     std::vector<Part> partition(const Scene& scene, const Query& query, int count) {
         return detector_.partition(scene, query, count, stop_->get_token());
     }
+    Clustering cluster(const Scene& scene) { return detector_.cluster(scene, stop_->get_token()); }
     /// Returns the result of stream(detector, sink, stop), which must call `sink` for each block. `sink` calls `take`
     /// with the GIL, in whichever thread of the library calls it. While `take` runs, calls of the detector from this
     /// thread are refused, as are those from the thread of the call.

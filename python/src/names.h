@@ -31,6 +31,10 @@ inline constexpr Names<Simd, 6> simd_names{{{"automatic", Simd::automatic},
                                             {"avx2", Simd::avx2},
                                             {"avx512", Simd::avx512},
                                             {"neon", Simd::neon}}};
+inline constexpr Names<SweepDirection, 4> sweep_names{
+    {{"pca", SweepDirection::pca}, {"x", SweepDirection::x}, {"y", SweepDirection::y}, {"z", SweepDirection::z}}};
+inline constexpr Names<Membership, 3> membership_names{
+    {{"ball", Membership::ball}, {"equation_5", Membership::equation_5}, {"threshold", Membership::threshold}}};
 inline constexpr Names<Neighbours, 2> neighbours_names{
     {{"geometric", Neighbours::geometric}, {"skip", Neighbours::skip}}};
 inline constexpr Names<IntersectionKind, 2> intersection_kind_names{

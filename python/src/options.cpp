@@ -30,6 +30,23 @@ FuzzyCMeans fuzzy_c_means_of(const nb::object& given) {
             .first_stop = real("first_stop", given.attr("first_stop"))};
 }
 
+/// Converts a Python object of class crumple.Method.
+Method method_of(const nb::object& given) {
+    Method method;
+    const nb::object sweep = given.attr("sweep"), threshold = given.attr("threshold");
+    if (nb::isinstance<nb::str>(sweep)) {
+        method.sweep = named(sweep_names, "sweep", sweep);
+    } else {
+        if (!nb::isinstance<nb::sequence>(sweep) || nb::len(sweep) != method.direction.size())
+            refuse_type("sweep", "\"pca\", \"x\", \"y\", \"z\" or a sequence of three numbers", sweep);
+        method.sweep = SweepDirection::given;
+        for (std::size_t i = 0; i < method.direction.size(); ++i) method.direction[i] = real("sweep", sweep[i]);
+    }
+    method.membership = named(membership_names, "membership", given.attr("membership"));
+    method.threshold = real("threshold", threshold);
+    return method;
+}
+
 }  // namespace
 
 Options options_of(const nb::dict& given) {
@@ -40,6 +57,7 @@ Options options_of(const nb::dict& given) {
         .clusters = integer<int>("clusters", given["clusters"]),
         .leaf_size = integer<int>("leaf_size", given["leaf_size"]),
         .fuzzy_c_means = fuzzy_c_means_of(given["fuzzy_c_means"]),
+        .method = method_of(given["method"]),
         .simd = named(simd_names, "simd", given["simd"]),
         .device = integer<int>("device", given["device"]),
         .devices = devices_of(given),

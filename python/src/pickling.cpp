@@ -188,6 +188,7 @@ nb::dict state_of(const Statistics& statistics) {
     for (const auto& [name, counter] : counters) state[name] = statistics.*counter;
     state["milliseconds"] = statistics.milliseconds;
     state["stage_milliseconds"] = statistics.stage_milliseconds;
+    state["complete"] = statistics.complete;
     state["threads"] = statistics.threads;
     state["backend"] = statistics.backend;
     state["simd"] = statistics.simd;
@@ -201,6 +202,8 @@ Statistics statistics_of(nb::handle given) {
     for (const auto& [name, counter] : counters) statistics.*counter = item<std::int64_t>(state, name);
     statistics.milliseconds = item<double>(state, "milliseconds");
     statistics.stage_milliseconds = item<std::array<double, stage_count>>(state, "stage_milliseconds");
+    // Pickles of older versions lack it: they had only the membership rule that loses no pair.
+    if (state.contains("complete")) statistics.complete = item<bool>(state, "complete");
     statistics.threads = item<int>(state, "threads");
     statistics.backend = static_name(item<std::string>(state, "backend"));
     statistics.simd = static_name(item<std::string>(state, "simd"));

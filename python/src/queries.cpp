@@ -94,6 +94,7 @@ void read(nb::handle given, CandidateQuery& query) {
     for (const nb::handle kind : given.attr("kinds")) query.kinds.push_back(named(candidate_kind_names, "kinds", kind));
     query.inflation = real_of(given, "inflation");
     query.weld = flag_of(given, "weld");
+    query.neighbours = flag_of(given, "neighbours");
     query.filter = filter_of(given);
 }
 

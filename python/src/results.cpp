@@ -42,6 +42,8 @@ void bind_statistics(nb::module_& module) {
         .def_ro("pairs", &S::pairs, "Colliding pairs.")
         .def_ro("peak_memory_bytes", &S::peak_memory_bytes,
                 "Most bytes that the detector has owned, including this result.")
+        .def_ro("complete", &S::complete,
+                "False if pairs may be missing: see `membership` of Method. Always True with its default.")
         .def_ro("threads", &S::threads, "Number of threads of the detector.")
         .def_ro("backend", &S::backend, "\"cpu\", \"cuda\" or \"reference\".")
         .def_ro("simd", &S::simd, "Instruction set that was used; empty for the reference backend.")

@@ -118,6 +118,8 @@ def test_threads_clusters_simd_and_memory_limit_do_not_change_results():
         {"threads": 3, "clusters": 33, "leaf_size": 20},
         {"simd": "scalar"},
         {"fuzzy_c_means": crumple.FuzzyCMeans(1.5, 0, 1, 0.5, 0.5)},
+        {"leaf_size": 30, "method": crumple.Method(sweep="z")},
+        {"leaf_size": 30, "method": crumple.Method(sweep=np.array([1, -2, 0.5]))},
         {"memory_limit": expected.statistics.peak_memory_bytes},
     ]:
         detector = crumple.Detector(**options)

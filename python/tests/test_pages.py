@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from pages import PAGES, TOP, programs, run, without_times
+from pages import PAGES, TOP, Program, programs, run, without_times
 
 pytestmark = pytest.mark.installed
 
@@ -31,6 +31,21 @@ def test_readme_and_start_pages_have_programs_with_their_output():
         assert program.prints, f"{name_of(program)}: no output below it"
     in_cpp = [name_of(program) for program in PROGRAMS if program.language == "cpp"]
     assert in_cpp == ["README.md: #include <cstdio>", "start_cpp.md: #include <cstdio>"]
+
+
+def test_commands_of_the_figures_of_the_paper_run(tmp_path):
+    """Runs them on fewer triangles, because simulated scenes of the usual size take minutes."""
+    page = TOP / "docs" / "start_research.md"
+    rows = re.findall(r"^\| (\d) \| [^|]*\| `([^`]*)` \|", page.read_text(), flags=re.M)
+    assert [int(number) for number, _ in rows] == list(range(1, 9))
+    commands = ["export XDG_CACHE_HOME=$PWD", "crumple make cloth --triangles 2000 -o cloth.ply"]
+    commands += [re.sub(r"--scene \w+", r"\g<0> --triangles 300", command) for _, command in rows]
+    done = run(Program(page, "sh", "\n".join(commands), None), tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert "pairs may be missing" in done.stdout
+    for _, command in rows:
+        (output,) = re.findall(r"-o (\S+)", command)
+        assert (tmp_path / output).stat().st_size > 0, command
 
 
 def test_readme_links_to_each_start_page():

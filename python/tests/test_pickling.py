@@ -368,17 +368,22 @@ def test_statistics_are_equal_if_all_fields_are(detector):
     one, other = (detector.intersections(mesh).statistics for mesh in (MESH, OTHER))
     same = pickle.loads(pickle.dumps(one))
     fields = [name for name in dir(crumple.Statistics) if not name.startswith("_")]
-    assert set(one.__getstate__()) == set(fields) and len(fields) == 18
+    assert set(one.__getstate__()) == set(fields) and len(fields) == 19
     assert all(getattr(same, name) == getattr(one, name) for name in fields)
     assert one == same != other and not one != same and one != 3 and one is not None
     for name in fields:
         state = one.__getstate__()
-        state[name] = {str: "none", dict: [0.0] * 7, list: [0.0] * 7}.get(type(state[name]), 12345)
+        state[name] = {str: "none", dict: [0.0] * 7, list: [0.0] * 7, bool: False}.get(type(state[name]), 12345)
         changed = crumple.Statistics.__new__(crumple.Statistics)
         changed.__setstate__(state)
         assert changed != one, name
     with pytest.raises(TypeError, match="unhashable"):
         hash(one)
+    old = one.__getstate__()
+    del old["complete"]  # as older versions pickled it
+    restored = crumple.Statistics.__new__(crumple.Statistics)
+    restored.__setstate__(old)
+    assert restored == one and restored.complete is True
 
 
 @pytest.mark.parametrize("name", [None, "pairs", "milliseconds", "stage_milliseconds", "threads", "backend", "simd"])

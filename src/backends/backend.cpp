@@ -30,6 +30,9 @@ void fail_unprepared_capture(bool of_worlds) {
                     ": they allocate its lists");
 }
 
+Clustering BackendBase::cluster(const PreparedScene&) {
+    throw Error(ErrorCode::invalid_argument, "clusters need the cpu backend (Options::backend)", Element::option);
+}
 void BackendBase::stream(const PreparedScene&, const IntersectionQuery&, PairStream&, Statistics&) { refuse_blocks(); }
 void BackendBase::stream(const PreparedScene&, const FeatureRequest&, FeatureStream&, Statistics&) { refuse_blocks(); }
 void BackendBase::visit(const PreparedScene& scene, const IntersectionQuery& query,

@@ -103,6 +103,13 @@ class BackendBase : public ParallelFor {
     /// launch in flight needs it.
     virtual bool keeps_after(const Error&) const { return false; }
 
+    /// Divides the scene as find() would for an IntersectionQuery (Detector::cluster). All backends but cpu throw Error
+    /// (invalid_argument).
+    virtual Clustering cluster(const PreparedScene& scene);
+
+    /// True if a search since the last call of this function may have lost pairs (Method::membership).
+    virtual bool may_have_lost_pairs() { return false; }
+
     /// Returns the kernels for sums over overlaps, or null if the backend has none.
     virtual const OverlapKernels* overlap_kernels() const { return nullptr; }
 

@@ -69,6 +69,8 @@ class ForwardingBackend : public BackendBase {
     bool keeps_after(const Error& error) const override { return to_->keeps_after(error); }
     const OverlapKernels* overlap_kernels() const override { return to_->overlap_kernels(); }
     OverlapDevice* overlap_device() override { return to_->overlap_device(); }
+    Clustering cluster(const PreparedScene& scene) override { return to_->cluster(scene); }
+    bool may_have_lost_pairs() override { return to_->may_have_lost_pairs(); }
     void swap_memory(std::unique_ptr<SceneMemory>& memory) override { to_->swap_memory(memory); }
     void release() override { to_->release(); }
 

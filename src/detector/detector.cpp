@@ -46,6 +46,7 @@ struct Detector::Implementation : MeshCalls {
         if constexpr (intersections) {
             if (query.containment && !two && !world) return "containment needs bodies: a world or two meshes";
         }
+        if (const char* why = refusal_of_membership(query); *why) return why;
         if (distances && mesh) return "distances need bodies: a world or two meshes";
         if ((distances || overlaps || OneOf<Query, CandidateQuery, FreeStepQuery>)&&!mesh && !two && !world)
             return "parts support only intersections, impacts and proximities";
@@ -58,6 +59,31 @@ struct Detector::Implementation : MeshCalls {
             return "poses in device memory need the cuda backend (Options::backend)";
         return "";
     }
+    /// True if searches may lose pairs. The reference backend ignores the rule of membership, and cuda has only `ball`.
+    bool may_lose_pairs() const { return working == Backend::cpu && options.method.membership != Membership::ball; }
+    /// Returns why results of this query would not say that pairs may be missing; empty if they do.
+    template <class Query>
+    const char* refusal_of_membership(const Query& query) const {
+        if (!may_lose_pairs()) return "";
+        constexpr const char* reason =
+            "this query needs the membership rule ball: its result could not say that pairs may be missing";
+        if constexpr (std::same_as<Query, IntersectionQuery>) return query.containment ? reason : "";
+        return OneOf<Query, OverlapQuery, FirstImpactQuery, FreeStepQuery> ? reason : "";
+    }
+    template <class Query>
+    void check_neighbours(const Query& query) {
+        if constexpr (std::same_as<Query, CandidateQuery>)
+            if (query.neighbours && working == Backend::cuda)
+                refuse("neighbours must be false with the cuda backend; use the cpu backend (Options::backend)");
+    }
+    /// Returns work(), which makes a result with statistics. Sets Statistics::complete.
+    template <class Work>
+    const auto& with_losses(Statistics& statistics, Work work) {
+        backend->may_have_lost_pairs();  // discards what a call has left that threw
+        const auto& result = work();
+        statistics.complete = !backend->may_have_lost_pairs();
+        return result;
+    }
     template <class Query>
     void require_supported(const Scene& scene, const Query& query) {
         if (const char* why = refusal(scene, query); *why) refuse(why);
@@ -66,6 +92,7 @@ struct Detector::Implementation : MeshCalls {
     // Queries about a step that consist of impact queries:
 
     const FirstImpact& find(const Scene& scene, const FirstImpactQuery& query, std::stop_token stop) {
+        require_supported(scene, query);
         ImpactQuery impacts_of = query;
         impacts_of.output = Output::first;
         impacts_of.index = false;
@@ -116,6 +143,7 @@ struct Detector::Implementation : MeshCalls {
         using Result = typename Query::Result;
         constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
         require_supported(scene, query);
+        check_neighbours(query);
         const auto of_mesh = [&](const MeshView& mesh) -> const Result& {
             if constexpr (intersections)
                 return find(mesh, nullptr, query, std::move(stop));
@@ -155,11 +183,15 @@ struct Detector::Implementation : MeshCalls {
                 return result_of(query);  // refused
             }
         };
-        return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
+        return with_losses(result_of(query).statistics, [&]() -> const Result& {
+            return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
+        });
     }
 
     template <class Query>
     bool any(const Scene& scene, const Query& query, std::stop_token stop) {
+        if (may_lose_pairs())
+            refuse("any() needs the membership rule ball: its result could not say that pairs may be missing");
         if constexpr (std::same_as<Query, IntersectionQuery>) {
             if (query.containment) return has_any(scene, query, std::move(stop));
             if (const auto* mesh = std::get_if<MeshView>(&scene.source()))
@@ -210,7 +242,11 @@ struct Detector::Implementation : MeshCalls {
         const auto of_part = [&](const Part*) -> Statistics {
             refuse("parts are not supported in blocks; use find()");
         };
-        return std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
+        if (const char* why = refusal_of_membership(query); *why) refuse(why);
+        Statistics statistics;
+        return with_losses(statistics, [&]() -> const Statistics& {
+            return statistics = std::visit(Overloaded{of_mesh, of_two, of_world, of_part}, scene.source());
+        });
     }
 
     template <PartQuery Query>
@@ -227,8 +263,17 @@ struct Detector::Implementation : MeshCalls {
         }
     }
 
+    Clustering cluster(const Scene& scene, std::stop_token stop) {
+        if (const auto* mesh = std::get_if<MeshView>(&scene.source()))
+            return MeshCalls::cluster(*mesh, nullptr, std::move(stop));
+        if (const auto* two = std::get_if<TwoMeshes>(&scene.source()))
+            return MeshCalls::cluster(two->a, &two->b, std::move(stop));
+        refuse("only the clusters of one mesh or two meshes can be returned");
+    }
+
     template <class Query>
     LaunchNumber launch(const Scene& scene, const Query& query) {
+        check_neighbours(query);
         const auto* mesh = std::get_if<MeshView>(&scene.source());
         if constexpr (std::same_as<Query, IntersectionQuery>) {
             const auto* two = std::get_if<TwoMeshes>(&scene.source());
@@ -279,6 +324,9 @@ Statistics Detector::stream(const Scene& scene, const Query& query,
 template <PartQuery Query>
 std::vector<Part> Detector::partition(const Scene& scene, const Query& query, int count, std::stop_token stop) {
     return implementation_->partition(scene, query, count, std::move(stop));
+}
+Clustering Detector::cluster(const Scene& scene, std::stop_token stop) {
+    return implementation_->cluster(scene, std::move(stop));
 }
 template <LaunchQuery Query>
 LaunchTicket<Query> Detector::launch(const Scene& scene, const Query& query) {

@@ -128,6 +128,14 @@ const Intersections& MeshCalls::download(LaunchNumber launch) {
     return result;
 }
 
+Clustering MeshCalls::cluster(const MeshView& a, const MeshView* b, std::stop_token stop) {
+    Clustering clustering;
+    run_on_meshes(
+        a, b, nullptr, {}, std::move(stop), [&](const PreparedScene& scene) { clustering = backend->cluster(scene); },
+        [] { check(false, "clusters need meshes in host memory"); });
+    return clustering;
+}
+
 std::vector<Part> MeshCalls::partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop) {
     if (count < 1 || count > max_parts) {
         free_caches();

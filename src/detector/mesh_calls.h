@@ -25,6 +25,7 @@ struct MeshCalls : WorldCalls {
     Statistics stream(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
                       Sink<IntersectionQuery> take, std::int64_t block_rows, std::stop_token stop);
     std::vector<Part> partition(const MeshView& a, const MeshView* b, int count, std::stop_token stop);
+    Clustering cluster(const MeshView& a, const MeshView* b, std::stop_token stop);
 
     LaunchNumber launch(const MeshView& a, const MeshView* b, const IntersectionQuery& query);
     LaunchNumber launch(const World& world, const IntersectionQuery& query);

@@ -42,6 +42,8 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
         check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (automatic) to 262144");
         check(options.batch_bytes >= 1024, "batch_bytes must be at least 1024");
         check(options.detector.devices.empty(), "devices must be empty: a rank has one device");
+        check(options.detector.method.membership == Membership::ball,
+              "the membership rule must be ball: results of ranks could not say that pairs may be missing");
         engine_.emplace(options_.detector);
         rounds_.reserve();
     });

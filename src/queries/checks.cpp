@@ -14,6 +14,19 @@ constexpr const char* nothing_to_exclude = "excluded_groups need groups, and the
 constexpr const char* no_groups =
     "filter.groups = between needs groups, and the mesh has none: nothing lies between different groups";
 
+void check_method(const Method& m) {
+    const auto& [x, y, z] = m.direction;
+    const bool given = m.sweep == SweepDirection::given;
+    check(m.sweep <= SweepDirection::given, "the sweep direction must be pca, x, y, z or given");
+    check(std::isfinite(x) && std::isfinite(y) && std::isfinite(z), "the sweep direction must be finite");
+    check(!given || x != 0 || y != 0 || z != 0, "the sweep direction must not be 0");
+    check(given || (x == 0 && y == 0 && z == 0), "a vector of the sweep direction needs SweepDirection::given");
+    check(m.membership <= Membership::threshold, "the membership rule must be ball, equation_5 or threshold");
+    check(m.threshold >= 0 && m.threshold <= 1, "the membership threshold must be 0 to 1");
+    check(m.threshold == 0 || m.membership == Membership::threshold,
+          "a membership threshold needs the membership rule threshold");
+}
+
 void check_whole_bodies(const PairFilter& filter, const World& world) {
     const bool by_groups = filter.groups != PairScope::both || !filter.excluded_groups.empty();
     for (const Shape& shape : world.shapes)
@@ -46,6 +59,7 @@ void check_options(const Options& o) {
     check(means.max_iterations >= 0 && means.first_iterations >= 0,
           "max_iterations and first_iterations must be 0 or more");
     check(means.stop >= 0 && means.first_stop >= 0, "stop and first_stop must be 0 or more");
+    check_method(o.method);
 }
 
 void check_device_poses(const World& world) {

@@ -48,6 +48,7 @@ struct FeatureRequest {
     double share = 0;               ///< ImpactQuery::min_distance_share
     bool approaching_only = false;  ///< ImpactQuery::approaching_only
     bool strict = false;            ///< ProximityQuery::strict
+    bool neighbours = false;        ///< CandidateQuery::neighbours
     bool low_memory = false;        ///< uses as little memory as possible, the same for any number of threads
     const SceneFeatures& features;
     const SceneFilter& rule;

@@ -69,6 +69,7 @@ inline FeatureRequest request_of(const CandidateQuery& query, bool low_memory, c
     return {.criterion = Criterion::candidate,
             .kinds = listed_kinds(query),
             .distance = query.inflation,
+            .neighbours = query.neighbours,
             .low_memory = low_memory,
             .features = features,
             .rule = rule};

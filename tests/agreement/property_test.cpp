@@ -41,6 +41,8 @@ Detector any_detector() {
     options.clusters = *rc::gen::inRange(0, 9);
     options.leaf_size = *rc::gen::element(1, 5, 20, 3000);
     options.threads = *rc::gen::inRange(1, 4);
+    options.method.sweep =
+        *rc::gen::element(SweepDirection::pca, SweepDirection::x, SweepDirection::y, SweepDirection::z);
     return Detector(options);
 }
 

@@ -30,11 +30,14 @@ void expect_candidates(const MovingSoup<Scalar>& soup, const CandidateQuery& que
     expect(false);
 }
 
-/// Compares candidates of all kinds, and of the default kinds, which are those of impacts.
+/// Compares candidates of all kinds, and of the default kinds, which are those of impacts; with the cpu backend also
+/// those of all kinds with neighbours.
 template <class Scalar>
 void expect_candidates(const MovingSoup<Scalar>& soup, double inflation, bool weld = false) {
     expect_candidates(soup, {.kinds = all_candidate_kinds(), .inflation = inflation, .weld = weld});
     if (!testing::Test::HasFailure()) expect_candidates(soup, {.inflation = inflation, .weld = weld});
+    if (testing::Test::HasFailure() || tested_backend == Backend::cuda) return;
+    expect_candidates(soup, {.kinds = all_candidate_kinds(), .inflation = inflation, .weld = weld, .neighbours = true});
 }
 
 template <class Scalar>

@@ -129,6 +129,32 @@ TEST_P(Candidacy, features_of_one_triangle_can_be_candidates) {
     EXPECT_EQ(count(1), std::pair(std::size_t{3}, std::size_t{3}));
 }
 
+TEST_P(Candidacy, neighbours_are_listed_on_request) {
+    // Two triangles with a common edge, 1-2. Points 0 and 3 are far from each other.
+    const std::vector<std::array<double, 3>> vertices{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {9, 0, 0}};
+    const std::vector<std::array<std::int32_t, 3>> triangles{{0, 1, 2}, {1, 3, 2}};
+    const auto found = [&](bool neighbours, CandidateKind kind) {
+        const auto& pairs =
+            detector_
+                .find(MeshView(vertices, triangles), CandidateQuery{.kinds = {kind}, .neighbours = neighbours})[kind]
+                .pairs;
+        return std::vector<Pair>(pairs.begin(), pairs.end());
+    };
+    for (const CandidateKind kind :
+         {CandidateKind::vertex_face, CandidateKind::edge_face, CandidateKind::face_face, CandidateKind::vertex_vertex})
+        EXPECT_EQ(found(false, kind), std::vector<Pair>{});
+    EXPECT_EQ(found(true, CandidateKind::vertex_face),
+              (std::vector<Pair>{{0, 0}, {1, 0}, {1, 1}, {2, 0}, {2, 1}, {3, 1}}));
+    EXPECT_EQ(found(true, CandidateKind::face_face), (std::vector<Pair>{{0, 1}}));
+    // Edges: 0: 0-1, 1: 0-2, 2: 1-2, 3: 1-3, 4: 2-3.
+    EXPECT_EQ(found(false, CandidateKind::edge_edge), (std::vector<Pair>{{0, 4}, {1, 3}}));
+    EXPECT_EQ(found(true, CandidateKind::edge_edge),
+              (std::vector<Pair>{{0, 1}, {0, 2}, {0, 3}, {0, 4}, {1, 2}, {1, 3}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}));
+    EXPECT_EQ(found(true, CandidateKind::edge_face),
+              (std::vector<Pair>{{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 0}, {2, 1}, {3, 0}, {3, 1}, {4, 0}, {4, 1}}));
+    EXPECT_EQ(found(true, CandidateKind::vertex_vertex), std::vector<Pair>{});
+}
+
 INSTANTIATE_TEST_SUITE_P(, Candidacy, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& info) { return std::string(backend_name(info.param)); });
 
@@ -198,6 +224,14 @@ TEST_P(CandidateErrors, call_stopped_before_its_start_reports_cancellation) {
 
 INSTANTIATE_TEST_SUITE_P(, CandidateErrors, testing::Values(Backend::reference, Backend::cpu),
                          [](const auto& info) { return std::string(backend_name(info.param)); });
+
+TEST(CandidateCalls, cuda_backend_refuses_neighbours) {
+    if (tested_backend != Backend::cuda) GTEST_SKIP() << "there is no cuda backend";
+    const MovingSoup<> soup = moving_grid(4, 30, 24, 3);
+    Detector detector({.backend = Backend::cuda});
+    EXPECT_STREQ(error_of([&] { detector.find(soup.view(), CandidateQuery{.neighbours = true}); }).what(),
+                 "neighbours must be false with the cuda backend; use the cpu backend (Options::backend)");
+}
 
 TEST(CandidateCalls, swap_result_moves_the_result_without_copying) {
     const MovingSoup<> soup = moving_grid(4, 30, 24, 3);

@@ -71,6 +71,8 @@ TEST_F(Candidates, options_for_groups_welding_and_statistics_are_obeyed) {
     write("corner.off", "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n0 0 0\n-1 0 1\n0 -1 1\n3 0 1 2\n3 3 4 5\n");
     EXPECT_EQ(list("impacts corner.off --candidates --kinds vertex_face"), "vf 0 1\nvf 3 0\n");
     EXPECT_EQ(list("impacts corner.off --candidates --kinds vertex_face --weld"), "");
+    EXPECT_EQ(list("impacts corner.off --candidates --kinds vertex_face --weld --with-neighbours"),
+              "vf 0 0\nvf 0 1\nvf 1 0\nvf 2 0\nvf 3 0\nvf 3 1\nvf 4 1\nvf 5 1\n");
     const Outcome outcome = crumple(step + " --stats");
     EXPECT_EQ(outcome.out, step_candidates);
     EXPECT_TRUE(contains(outcome.err, "1 vertex-face, 2 edge-edge")) << outcome.err;
@@ -87,7 +89,7 @@ TEST_F(Candidates, wrong_options_are_refused) {
         const std::string name = std::string(option).substr(0, std::string(option).find(' '));
         expect_refused(step + ' ' + option, name + " does not go with --candidates");
     }
-    for (const char* const option : {"--inflation 0", "--kinds vertex_face"}) {
+    for (const char* const option : {"--inflation 0", "--kinds vertex_face", "--with-neighbours"}) {
         const std::string name = std::string(option).substr(0, std::string(option).find(' '));
         expect_refused(std::string("impacts above.off below.off ") + option, name + " needs --candidates");
     }

@@ -327,6 +327,58 @@ TEST_F(Detect, fuzzy_c_means_settings_change_no_result) {
     EXPECT_EQ(pairs("bodies.ply --fuzzy-c-means " + settings), pairs("bodies.ply"));
 }
 
+TEST_F(Detect, sweep_directions_and_leaf_sizes_change_no_result) {
+    ASSERT_EQ(crumple("make bodies --triangles 3000 -o bodies.ply").status, 0);
+    const std::string expected = pairs("bodies.ply");
+    for (const char* const option : {"--sweep pca", "--sweep x", "--sweep y", "--sweep z", "--sweep 1,-2,0.5",
+                                     "--leaf-size 50", "--leaf-size 100 --sweep 0,0,7 --membership ball"})
+        EXPECT_EQ(pairs(std::string("bodies.ply ") + option), expected) << option;
+}
+
+TEST_F(Detect, membership_that_loses_pairs_is_reported) {
+    // Two triangles whose tips cross, far from both of their centroids, which are the centres of the two clusters.
+    write("cross.off", "OFF\n6 2 0\n-2 -0.1 0\n-2 0.1 0\n0.25 0 0\n2 0 -0.1\n2 0 0.1\n-0.25 0 0\n3 0 1 2\n3 3 4 5\n");
+    const std::string detect = "detect cross.off --clusters 2 --fuzzy-c-means first_iterations=0";
+    const char* const warning = "crumple: warning: pairs may be missing";
+    EXPECT_EQ(crumple(detect).out, "0 1\n");
+    for (const char* const rule : {"equation_5", "threshold=1"}) {
+        const std::string by_rule = detect + " --membership " + rule;
+        const Outcome outcome = crumple(by_rule);
+        EXPECT_EQ(outcome.status, 0);
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_TRUE(outcome.err.starts_with(warning)) << outcome.err;
+        EXPECT_TRUE(crumple(by_rule + " --check").err.starts_with(warning));
+        EXPECT_TRUE(contains(crumple(by_rule + " --stats").err, "; pairs may be missing\n"));
+        EXPECT_TRUE(crumple(by_rule + " --stream").err.starts_with(warning));
+        EXPECT_EQ(crumple(by_rule + " -o p.json").status, 0);
+        EXPECT_TRUE(contains(read("p.json"), "\"complete\": false")) << read("p.json");
+    }
+    const Outcome all_clusters = crumple(detect + " --membership threshold=0");
+    EXPECT_EQ(all_clusters.out, "0 1\n");
+    EXPECT_EQ(all_clusters.err, "");
+    const Outcome near = crumple(
+        "near cross.off --radius 0.01 --clusters 2 --fuzzy-c-means first_iterations=0 "
+        "--membership equation_5");
+    EXPECT_TRUE(near.err.starts_with(warning)) << near.err;
+}
+
+TEST_F(Detect, wrong_settings_of_the_method_are_refused) {
+    for (const auto& [option, message] :
+         {std::pair{"--sweep w", "--sweep: w is not one of pca|x|y|z"},
+          {"--sweep 1,2", "--sweep: pca, x, y, z or three numbers are expected"},
+          {"--sweep 1,x,2", "--sweep: x is not a number"},
+          {"--sweep 0,0,0", "a direction must not be 0"},
+          {"--membership balls", "--membership balls: ball, equation_5 or threshold=U is expected"},
+          {"--membership threshold=2", "a number from 0 to 1 is expected"},
+          {"--leaf-size 0", "0 is not an integer from 1 to"},
+          {"--backend reference --sweep x", "--sweep and --membership do not apply to --backend reference"},
+          {"--backend reference --leaf-size 5", "--leaf-size does not apply to --backend reference"}}) {
+        const Outcome outcome = crumple(std::string("detect five.off ") + option);
+        EXPECT_EQ(outcome.status, 2) << option;
+        EXPECT_TRUE(contains(outcome.err, message)) << outcome.err;
+    }
+}
+
 TEST_F(Detect, memory_limit_accepts_units) {
     for (const char* size : {"1GiB", "500MB", "'1.5 g'", "700kib", "1T", "100000000", "100000000B"}) {
         EXPECT_EQ(pairs(std::string("five.off --memory-limit ") + size), five_pairs) << size;

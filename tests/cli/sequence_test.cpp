@@ -10,7 +10,10 @@
 namespace crumple::cli::test {
 namespace {
 
-constexpr const char* header = "frame,triangles,pairs,milliseconds,bounds,subdivide,align,sort,sweep,narrow,output";
+const std::string times_and_counts =
+    "milliseconds,bounds,subdivide,align,sort,sweep,narrow,output,clusters,leaves,members,interval_tests,box_overlaps,"
+    "edge_tests,double_tests,exact_tests,repeats,least,greatest";
+const std::string header = "frame,triangles,pairs," + times_and_counts;
 
 class Sequence : public Cli {
    protected:
@@ -82,6 +85,38 @@ TEST_F(Sequence, rows_are_written_as_csv_and_json) {
         EXPECT_EQ(json[1]["frame"], "b,2.off");
         EXPECT_TRUE(json[1].contains("narrow"));
     }
+}
+
+TEST_F(Sequence, rows_have_counts_of_each_stage) {
+    EXPECT_EQ(crumple("sequence a.off 'b,2.off' -o t.json --clusters 1").out, "");
+    const auto rows = nlohmann::json::parse(read("t.json"));
+    EXPECT_EQ(crumple("detect a.off -o p.json --clusters 1").status, 0);
+    const auto statistics = nlohmann::json::parse(read("p.json"))["statistics"];
+    for (const char* const count : {"clusters", "leaves", "members", "interval_tests", "box_overlaps", "edge_tests",
+                                    "double_tests", "exact_tests"})
+        EXPECT_EQ(rows[0][count], statistics[count]) << count;
+    EXPECT_EQ(rows[0]["members"], 5);
+    EXPECT_GE(rows[0]["box_overlaps"], 3);
+    EXPECT_EQ(rows[1]["members"], 2);
+    EXPECT_EQ(rows[0]["repeats"], 1);
+    EXPECT_EQ(rows[0]["least"], rows[0]["milliseconds"]);
+    EXPECT_EQ(rows[0]["greatest"], rows[0]["milliseconds"]);
+}
+
+TEST_F(Sequence, frames_are_searched_several_times_on_request) {
+    EXPECT_EQ(crumple("sequence a.off 'b,2.off' --repeat 25 -o t.json -o t.csv -o c.ply --check").status, 1);
+    const auto rows = nlohmann::json::parse(read("t.json"));
+    ASSERT_EQ(rows.size(), 2u);
+    for (const auto& row : rows) {
+        EXPECT_EQ(row["repeats"], 25);
+        EXPECT_LE(row["least"], row["milliseconds"]);
+        EXPECT_LE(row["milliseconds"], row["greatest"]);
+        EXPECT_LT(row["least"], row["greatest"]);
+    }
+    EXPECT_EQ(rows[0]["pairs"], 3);
+    EXPECT_TRUE(contains(lines(read("t.csv"))[1], ",25,")) << read("t.csv");
+    EXPECT_TRUE(fs::exists(file("c1.ply")));
+    EXPECT_EQ(crumple("sequence a.off --repeat 0").status, 2);
 }
 
 TEST_F(Sequence, scene_can_be_named_instead_of_files) {
@@ -190,7 +225,8 @@ TEST_F(Sequence, ctrl_c_keeps_finished_rows) {
     EXPECT_GE(rows.size(), 4u);
     EXPECT_LT(rows.size(), 5000u);
     EXPECT_EQ(rows.front(), header);
-    EXPECT_EQ(std::count(rows.back().begin(), rows.back().end(), ','), 10) << rows.back();
+    EXPECT_EQ(std::count(rows.back().begin(), rows.back().end(), ','), std::count(header.begin(), header.end(), ','))
+        << rows.back();
 }
 
 TEST_F(Sequence, termination_leaves_no_hidden_files) {
@@ -217,7 +253,7 @@ TEST_F(Sequence, each_step_has_a_row_with_its_impact_count_and_earliest_time) {
     EXPECT_EQ(outcome.err, "");
     const auto rows = lines(outcome.out);
     ASSERT_EQ(rows.size(), 3u);
-    EXPECT_EQ(rows[0], "frame,triangles,impacts,earliest,milliseconds,bounds,subdivide,align,sort,sweep,narrow,output");
+    EXPECT_EQ(rows[0], "frame,triangles,impacts,earliest," + times_and_counts);
     EXPECT_TRUE(rows[1].starts_with("above.off,2,0,,")) << rows[1];
     EXPECT_TRUE(rows[2].starts_with("above.off,2,1,0.5,")) << rows[2];
     EXPECT_EQ(std::count(rows[1].begin(), rows[1].end(), ','), std::count(rows[0].begin(), rows[0].end(), ','));

@@ -23,6 +23,18 @@ TEST_F(CudaCli, detect_runs_on_the_device) {
     EXPECT_TRUE(contains(chosen.err, "cuda backend\n")) << chosen.err;
 }
 
+TEST_F(CudaCli, variants_of_the_method_are_searched_on_the_cpu_or_refused) {
+    for (const char* option : {"--sweep x", "--membership threshold=0"}) {
+        const Outcome chosen = crumple(std::string("detect five.off ") + option);
+        EXPECT_EQ(chosen.out, five_pairs) << option;
+        EXPECT_TRUE(contains(chosen.err, "use the cpu backend for other methods; the cpu backend is used instead\n"))
+            << chosen.err;
+        const Outcome named = crumple(std::string("detect five.off --backend cuda ") + option);
+        EXPECT_EQ(named.status, 2);
+        EXPECT_TRUE(contains(named.err, "the cuda backend sweeps along principal axes")) << named.err;
+    }
+}
+
 TEST_F(CudaCli, fallback_to_the_cpu_is_explained_in_one_line) {
     for (const char* command : {"detect five.off", "sequence five.off"}) {
         const Outcome outcome = without_device(command);

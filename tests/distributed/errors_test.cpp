@@ -236,10 +236,11 @@ TEST(RankErrors, vertex_ids_missing_on_one_of_two_ranks_are_an_error) {
 }
 
 TEST(RankErrors, invalid_options_fail_on_all_ranks) {
-    for (const int which : {0, 1, 2}) {
+    for (const int which : {0, 1, 2, 3}) {
         std::vector<Seen> seen(2);
         run_ranks(2, [&](Transport& transport) {
             DistributedOptions options = small();
+            if (which == 3) options.detector.method.membership = Membership::equation_5;
             if (which == 0) options.parts = -1;
             if (which == 1) options.batch_bytes = 1000;
             if (which == 2 && transport.rank() == 1) options.detector.leaf_size = 0;

@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "backends/cpu/features/find_features.h"
 #include "backends/cpu/intersections/find_intersections.h"
@@ -103,6 +104,17 @@ class CpuBackend final : public BackendBase {
 
     const OverlapKernels* overlap_kernels() const override { return overlaps_; }
 
+    Clustering cluster(const PreparedScene& scene) override {
+        Clustering clustering;
+        const IntersectionQuery query;
+        const WarmCentres before = cached_->buffers.warm;
+        workers_.run([&] { clustering = cpu::cluster(make_call(scene, query, nullptr)); });
+        cached_->buffers.warm = before;
+        return clustering;
+    }
+
+    bool may_have_lost_pairs() override { return std::exchange(may_lose_, false); }
+
     void swap_memory(std::unique_ptr<SceneMemory>& memory) override {
         if (!memory) memory = std::make_unique<SceneCache>();
         std::swap(static_cast<SceneCache&>(*memory).centres, cached_->buffers.warm);
@@ -136,12 +148,14 @@ class CpuBackend final : public BackendBase {
     IntersectCall make_call(const PreparedScene& scene, const IntersectionQuery& query, const Part* part) {
         Cached& k = *cached_;
         k.rule.prepare(query.filter, scene.bodies);
-        return {{scene, k.rule, Levels(part), options_, kernels_, workers_, *this, cancellation_, meter_, k.buffers,
-                 statistics_, k.leaves},
-                query,
-                k.leaves,
-                k.output,
-                decides_};
+        IntersectCall call{{scene, k.rule, Levels(part), options_, kernels_, workers_, *this, cancellation_, meter_,
+                            k.buffers, statistics_, k.leaves},
+                           query,
+                           k.leaves,
+                           k.output,
+                           decides_};
+        call.may_lose = &may_lose_;
+        return call;
     }
     Call make_call(const PreparedScene& scene, const FeatureRequest& request) {
         Cached& k = *cached_;
@@ -149,6 +163,7 @@ class CpuBackend final : public BackendBase {
                   options_,  kernels_,      workers_,
                   *this,     cancellation_, meter_,
                   k.buffers, statistics_,   leaves_of(scene, request, k.features)};
+        call.may_lose = &may_lose_;
         call.low_memory = request.low_memory;
         call.inflation = request.radii.empty() ? inflation_of(scene, request)
                                                : inflation_of_radii(scene, request.radii, workers_, k.features);
@@ -191,7 +206,8 @@ class CpuBackend final : public BackendBase {
     MemoryMeter& meter_;
     std::unique_ptr<Cached> cached_;
     Statistics statistics_;
-    bool decides_ = true;  ///< see NarrowContext
+    bool decides_ = true;    ///< see NarrowContext
+    bool may_lose_ = false;  ///< see may_have_lost_pairs()
     /// Number of triangles of the smallest scene that has exceeded the memory limit: scenes of this size or more are
     /// searched in chunks.
     std::int64_t too_many_ = std::numeric_limits<std::int64_t>::max();

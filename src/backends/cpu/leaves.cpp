@@ -58,7 +58,7 @@ bool align_leaf(const Call& call, const Leaf& leaf, Ownership& ownership, std::s
                            scene.triangle_count(),
                            members.triangle.data(),
                            members.size(),
-                           leaf_frame(call.buffers.balls, points, scene.corners, members),
+                           leaf_frame(call.buffers.balls, points, scene.corners, members, call.options.method),
                            ends,
                            call.inflation,
                            mean_motion(points, scene.corners, ends, members)};

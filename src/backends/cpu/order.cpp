@@ -70,6 +70,16 @@ void measure(const Call& call) {
     call.statistics[Stage::bounds] += watch.lap();
 }
 
+void subdivide(const Call& call) {
+    Buffers& b = call.buffers;
+    const std::int64_t n = call.scene.triangle_count();
+    call.query.begin(call);
+    choose_triangles(call);
+    place_clusters(b.balls, n, b.included_or_null(), call.options, call.kernels, call.workers, b.warm, b.subdivision);
+    gather_leaves(b.balls, n, 0, b.subdivision.clusters, call.options, call.kernels, call.workers, b.warm,
+                  b.subdivision);
+}
+
 void search(const Call& call) {
     const PreparedScene& scene = call.scene;
     const StageKernels& kernels = call.kernels;
@@ -101,6 +111,7 @@ void search(const Call& call) {
         });
         watch.lap();
     }
+    if (call.may_lose && b.subdivision.may_lose) *call.may_lose = true;
     for (const auto& worker : b.worker) add(worker->statistics, statistics);
     query.finish(statistics);
 }

@@ -31,6 +31,7 @@ struct Call {
     bool low_memory = false;        ///< true: searches one first-level cluster after another, on one worker
     std::int64_t* units = nullptr;  ///< number of units that a stream has begun; null: no stream
     Inflation inflation = {};       ///< inflation of every triangle
+    bool* may_lose = nullptr;       ///< set to true if the membership rule may lose pairs; null: it cannot
 
     /// Returns the normalised vertices. measure() must have run.
     PointRows points() const {
@@ -67,6 +68,9 @@ void for_each_unit(const Call& call, std::size_t n, Task task) {
 
 /// Runs stage `bounds`.
 void measure(const Call& call);
+
+/// Runs stage `subdivide` for the whole scene, without a search. measure() must have run.
+void subdivide(const Call& call);
 
 /// Runs the stages from `subdivide` to `narrow` on a scene for which measure() has run. `call.query` keeps the results.
 void search(const Call& call);

@@ -34,10 +34,18 @@ namespace crumple {
 namespace cuda {
 namespace {
 
+void check_method(const Method& method) {
+    if (method != Method())
+        throw Error(ErrorCode::invalid_argument,
+                    "the cuda backend sweeps along principal axes and uses the membership rule ball; use the cpu "
+                    "backend for other methods",
+                    Element::option);
+}
+
 class CudaBackend final : public BackendBase {
    public:
     CudaBackend(const Options& options, MemoryMeter& meter, Cancellation& cancellation)
-        : state_(options, meter, cancellation) {
+        : state_((check_method(options.method), options), meter, cancellation) {
         reserve_stacks();
         check_comparison_cases(state_.device, state_.stream.get());
     }

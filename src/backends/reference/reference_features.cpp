@@ -204,7 +204,8 @@ class Search {
                 cancellation_.check();
                 for (const ReferenceFeature& b : all.of(types.second)) {
                     if ((types.first == types.second && a.index >= b.index) || !boxes_overlap(a, b)) continue;
-                    if (AllFeatures::incident(a, b) || !query_.rule(a.group, b.group)) continue;
+                    if (AllFeatures::incident(a, b) && !query_.neighbours) continue;
+                    if (!query_.rule(a.group, b.group)) continue;
                     result_.any = true;
                     result_.rows[kind].pairs.push_back({a.index, b.index});
                     pass_on();

@@ -32,6 +32,7 @@ nlohmann::ordered_json document(const Statistics& statistics) {
         {"rational_contacts", statistics.rational_contacts},
         {"pairs", statistics.pairs},
         {"peak_memory_bytes", statistics.peak_memory_bytes},
+        {"complete", statistics.complete},
         {"threads", statistics.threads},
         {"backend", statistics.backend},
         {"simd", statistics.simd},

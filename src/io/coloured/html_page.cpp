@@ -287,6 +287,10 @@ void write_legend(Sink& sink, const Page& page) {
              << int{c.blue} << ',' << material.opacity << ")\"></i>" << mesh << material.name << "</span>\n";
     };
     for (std::size_t i = 0; i < page.sides.size() && !page.report; ++i) {
+        if (!page.sides[i].palette.empty()) {
+            for (const Material& material : page.sides[i].palette.first(page.sides[i].named)) entry(material, "");
+            continue;
+        }
         const std::string mesh = page.sides.size() == 1 ? "" : i == 0 ? "first mesh: " : "second mesh: ";
         entry(page.sides[i].colliding, mesh);
         entry(page.sides[i].free, mesh);

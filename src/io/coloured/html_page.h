@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <iosfwd>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,13 @@ struct PageMesh {
     const TriangleMesh* mesh;
     std::vector<std::uint8_t> hit;  ///< per triangle: 0, or 1 if it has the material `colliding`; empty: all are free
     Material free, colliding;
+    std::span<const Material> palette = {};  ///< if not empty: the materials that `hit` indexes, instead of these two
+    std::size_t named = 0;                   ///< number of materials of the palette that the legend lists
 
-    const Material& material(std::size_t triangle) const { return !hit.empty() && hit[triangle] ? colliding : free; }
+    const Material& material(std::size_t triangle) const {
+        if (!palette.empty()) return palette[hit[triangle]];
+        return !hit.empty() && hit[triangle] ? colliding : free;
+    }
 };
 
 /// List of places that a page shows beside the meshes; clicking one of them moves the view to it.

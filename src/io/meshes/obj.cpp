@@ -219,8 +219,8 @@ void write_coloured_obj(std::ostream& out, const ColouredMesh& coloured, const s
     write_vertices(sink, coloured.mesh);
     int material = -1;  // faces keep their order, so that their ids stay valid
     for_each_face(coloured.mesh, coloured.has_polygons(), [&](auto corners, std::size_t triangle) {
-        const int wanted = coloured.hit[triangle] != 0;
-        if (wanted != material) sink << "usemtl " << coloured.materials[wanted ? 1 : 0].name << '\n';
+        const int wanted = coloured.hit[triangle];
+        if (wanted != material) sink << "usemtl " << coloured.materials[static_cast<std::size_t>(wanted)].name << '\n';
         material = wanted;
         write_face(sink, corners);
     });

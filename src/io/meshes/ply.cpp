@@ -259,7 +259,8 @@ void write_header(Sink& sink, const TriangleMesh& mesh, std::int64_t faces, bool
     sink << "end_header\n";
 }
 
-/// Writes a mesh, with colours unless `hit`, the flags per triangle, is null.
+/// Writes a mesh, with colours unless `hit`, the material of each triangle, is null. A vertex has the last one of its
+/// triangles' materials.
 void write(std::ostream& out, const TriangleMesh& mesh, bool polygons, const std::vector<std::uint8_t>* hit,
            std::span<const Material> materials = {}) {
     using Corners = std::span<const std::int32_t>;
@@ -268,11 +269,14 @@ void write(std::ostream& out, const TriangleMesh& mesh, bool polygons, const std
     for_each_face(mesh, polygons, [&](Corners corners, std::size_t triangle) {
         long_lists = long_lists || corners.size() > UINT8_MAX;
         if (!hit || !(*hit)[triangle]) return;
-        for (const std::int32_t corner : corners) hit_vertices[static_cast<std::size_t>(corner)] = 1;
+        for (const std::int32_t corner : corners) {
+            std::uint8_t& of_vertex = hit_vertices[static_cast<std::size_t>(corner)];
+            of_vertex = std::max(of_vertex, (*hit)[triangle]);
+        }
     });
     Sink sink(out);
-    const auto colour = [&](bool collides) {
-        const Colour& c = materials[collides ? 1 : 0].colour;
+    const auto colour = [&](std::uint8_t material) {
+        const Colour& c = materials[material].colour;
         sink.little(c.red, c.green, c.blue);
     };
     write_header(sink, mesh, polygons ? mesh.polygons.count() : mesh.triangle_count(), hit != nullptr, long_lists);
@@ -291,7 +295,7 @@ void write(std::ostream& out, const TriangleMesh& mesh, bool polygons, const std
             sink.little(static_cast<std::uint8_t>(corners.size()));
         for (const std::int32_t corner : corners) sink.little(corner);
         if (!mesh.groups.empty()) sink.little(mesh.groups[triangle]);
-        if (hit) colour((*hit)[triangle] != 0);
+        if (hit) colour((*hit)[triangle]);
     });
 }
 

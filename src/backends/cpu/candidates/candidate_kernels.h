@@ -38,12 +38,14 @@ struct LaneSteps {
     };
     Listed listed[8 * most] = {};
     /// Bits of the tests whose features have a common vertex, indexed by SharedCorners::bits() of the row and the
-    /// column.
+    /// column; 0 if such pairs are listed, too.
     std::uint64_t incident[512] = {};
 
-    bool has_impact_kinds_only = false;  ///< true if exactly vertex_face and edge_edge are requested
+    /// True if exactly vertex_face and edge_edge are requested, without pairs that have a common vertex.
+    bool has_impact_kinds_only = false;
 
-    explicit LaneSteps(const RequestedKinds& kinds = {});
+    /// `neighbours`: also lists pairs with a common vertex.
+    explicit LaneSteps(const RequestedKinds& kinds = {}, bool neighbours = false);
 };
 
 /// Writes the pairs of features of a (row) and b (column) that the bits stand for (LaneSteps), and advances `next`.

@@ -44,8 +44,8 @@ std::size_t find(const CandidateRecord* record, const CandidateChunk& candidates
 
 }  // namespace
 
-LaneSteps::LaneSteps(const RequestedKinds& kinds) {
-    has_impact_kinds_only = kinds == RequestedKinds{true, true};
+LaneSteps::LaneSteps(const RequestedKinds& kinds, bool neighbours) {
+    has_impact_kinds_only = kinds == RequestedKinds{true, true} && !neighbours;
     for (auto& lanes : row) std::fill_n(lanes, candidate_lanes, std::uint8_t{7});
     for (int column = 0; column < most; ++column) {
         int round = 0;
@@ -57,7 +57,7 @@ LaneSteps::LaneSteps(const RequestedKinds& kinds) {
         const int a = row[bit / 8][bit % 8], b = bit % 8;
         listed[bit] = {static_cast<std::uint8_t>(kind_of(a, b)), static_cast<std::uint8_t>(a),
                        static_cast<std::uint8_t>(b), type_of(b) < type_of(a), type_of(b) == type_of(a)};
-        for (unsigned shared = 0; shared < 512; ++shared)
+        for (unsigned shared = 0; shared < 512 && !neighbours; ++shared)
             if (SharedCorners(shared).incident(a, b)) incident[shared] |= std::uint64_t{1} << bit;
     }
 }

@@ -43,7 +43,7 @@ CandidateLeaves::CandidateLeaves(MemoryMeter* meter, int workers, const Candidat
 void CandidateLeaves::ask(const FeatureRequest& query) {
     query_ = &query;
     stream_ = nullptr;
-    rounds_ = LaneSteps(query.kinds);
+    rounds_ = LaneSteps(query.kinds, query.neighbours);
 }
 
 void CandidateLeaves::begin(const Call& call) {
@@ -241,23 +241,26 @@ FeatureBox CandidateLeaves::box(const CandidateRecord& record, int lane) const {
 void CandidateLeaves::search_within(std::int64_t begin, std::int64_t end, std::size_t w) {
     const CandidateKey key{normaliser_, {}};
     Worker& worker = *worker_[w];
-    const auto list = [&](const CandidateRecord& record, int vertex, int other) {
-        const CandidateKind kind = other < 3 ? CandidateKind::vertex_vertex : CandidateKind::vertex_edge;
-        Pair pair{record.id[vertex], record.id[other]};
-        if (other < 3 && pair.b < pair.a) std::swap(pair.a, pair.b);
-        worker.found[kind].pairs.push_back(pair);
+    // `a` is the lane before `b`, so its type is the one that the kind names first, or the same.
+    const auto list = [&](const CandidateRecord& record, int a, int b) {
+        Pair pair{record.id[a], record.id[b]};
+        if (type_of(a) == type_of(b) && pair.b < pair.a) std::swap(pair.a, pair.b);
+        worker.found[kind_of(a, b)].pairs.push_back(pair);
     };
+    // Without neighbours, only two vertices, or a vertex and the opposite edge, are left.
+    const int first_lanes = query_->neighbours ? 6 : 3, lanes = query_->neighbours ? 7 : 6;
     for (std::int64_t t = begin; t < end; ++t) {
         const unsigned owned = owned_lanes(static_cast<std::int32_t>(t));
-        if ((owned & vertex_lanes) == 0 || !call_->rule(call_->scene.group(t), call_->scene.group(t))) continue;
+        if ((owned & ((1u << first_lanes) - 1)) == 0 || !call_->rule(call_->scene.group(t), call_->scene.group(t)))
+            continue;
         CandidateRecord record;
         write_member(static_cast<std::int32_t>(t), key, record);
         const SharedCorners shared(record, record);
-        for (int a = 0; a < 3; ++a) {
+        for (int a = 0; a < first_lanes; ++a) {
             if (!(owned >> a & 1)) continue;
-            for (int b = a + 1; b < 6; ++b) {
-                const CandidateKind kind = b < 3 ? CandidateKind::vertex_vertex : CandidateKind::vertex_edge;
-                if (!(owned >> b & 1) || !query_->lists(kind) || shared.incident(a, b)) continue;
+            for (int b = a + 1; b < lanes; ++b) {
+                if (!(owned >> b & 1) || !query_->lists(kind_of(a, b))) continue;
+                if (!query_->neighbours && shared.incident(a, b)) continue;
                 if (inflated_boxes_overlap(box(record, a), box(record, b), query_->distance)) list(record, a, b);
             }
         }

@@ -5,9 +5,11 @@
 namespace crumple::cpu {
 namespace {
 
-// Finds pairs of features that one triangle owns: two vertices, or a vertex and the opposite edge.
+// Finds pairs of features that one triangle owns: two vertices, or a vertex and the opposite edge; with neighbours, any
+// two.
 void search_within(const Call& call, const FeatureRequest& query, CandidateLeaves& leaves) {
-    if (!query.lists(CandidateKind::vertex_vertex) && !query.lists(CandidateKind::vertex_edge)) return;
+    const bool has_pairs = query.lists(CandidateKind::vertex_vertex) || query.lists(CandidateKind::vertex_edge);
+    if (!has_pairs && !query.neighbours) return;
     const std::int64_t n = call.scene.triangle_count();
     if (call.low_memory && !call.units) return leaves.search_within(0, n, 0);
     constexpr std::int64_t chunk = 4096;

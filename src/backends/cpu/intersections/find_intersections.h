@@ -6,6 +6,7 @@
 #include "backends/cpu/order.h"
 #include "backends/cpu/stages/output.h"
 #include "backends/pair_budget.h"
+#include "crumple/clustering.h"
 
 namespace crumple::cpu {
 
@@ -35,6 +36,9 @@ void find(const IntersectCall& call, Intersections& result);
 
 /// Runs all stages but `output`, and delivers all pairs to a stream.
 void stream(IntersectCall call, PairStream& to);
+
+/// Runs stages `bounds` and `subdivide`, and computes the frames of `align`.
+Clustering cluster(const IntersectCall& call);
 
 /// Returns true if there is any pair. Ends soon after the first one.
 bool any(IntersectCall call);

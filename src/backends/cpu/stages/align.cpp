@@ -1,13 +1,36 @@
 #include "backends/cpu/stages/align.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/edge_moment.h"
 
 namespace crumple::cpu {
+namespace {
+
+/// Returns a frame whose first axis is the sweep direction of the options, which is not pca.
+PrincipalAxes axes_along(const Method& method) {
+    const auto& [x, y, z] = method.direction;
+    Vec3d along{x, y, z};
+    if (method.sweep != SweepDirection::given)
+        along = {method.sweep == SweepDirection::x ? 1.0 : 0.0, method.sweep == SweepDirection::y ? 1.0 : 0.0,
+                 method.sweep == SweepDirection::z ? 1.0 : 0.0};
+    // Exact scaling by a power of two, so that no square overflows or underflows.
+    const int exponent = std::ilogb(largest(abs(along)));
+    for (int i = 0; i < 3; ++i) along[i] = std::ldexp(along[i], -exponent);
+    along = (1 / std::sqrt(dot(along, along))) * along;
+    const Vec3d size = abs(along);
+    Vec3d across;  // coordinate axis that is farthest from `along`
+    across[size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2] = 1;
+    Vec3d second = across - dot(across, along) * along;
+    second = (1 / std::sqrt(dot(second, second))) * second;
+    return {{along, second, cross(along, second)}, {}};
+}
+
+}  // namespace
 
 LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const std::int32_t* corners,
-                     const LeafMembers& members) {
+                     const LeafMembers& members, const Method& method) {
     constexpr std::int64_t most_samples = 128, edges_every = 4;
     const std::int64_t samples = std::min<std::int64_t>(members.size(), most_samples);
     const auto triangle = [&](std::int64_t i) { return members.triangle[i * members.size() / samples]; };
@@ -37,7 +60,7 @@ LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const st
         covariance.zz += share * d.z * d.z;
         spread = std::max(spread, largest(abs(d)));
     }
-    PrincipalAxes axes = principal_axes(covariance);
+    PrincipalAxes axes = method.sweep == SweepDirection::pca ? principal_axes(covariance) : axes_along(method);
     EdgeMoment moment;
     for (std::int64_t i = 0; i < samples; i += edges_every)
         moment.add_triangle(points[corner(i)[0]], points[corner(i)[1]], points[corner(i)[2]], axes);

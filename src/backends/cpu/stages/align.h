@@ -5,16 +5,18 @@
 // The query's `build` (LeafQuery::build) writes the boxes, together with its records, from one gather of the corners.
 //
 // The first axis is the direction in which the centroids spread most, estimated from up to 128 members that are evenly
-// spaced in the list. The other two axes are turned to lie along the edges of up to 32 of these members. Any frame is
-// correct; boxes carry a margin that covers the rounding of the rotation (docs/align.md).
+// spaced in the list, unless the options choose another one. The other two axes are turned to lie along the edges of up
+// to 32 of these members. Any frame is correct; boxes carry a margin that covers the rounding of the rotation
+// (docs/align.md).
 
 #include "backends/cpu/stages/leaf_members.h"
+#include "crumple/options.h"
 
 namespace crumple::cpu {
 
-/// Returns the frame of a leaf. `corners`: 3 per triangle.
+/// Returns the frame of a leaf, whose first axis is Method::sweep. `corners`: 3 per triangle.
 LeafFrame leaf_frame(const Array<Ball>& balls, const PointRows& points, const std::int32_t* corners,
-                     const LeafMembers& members);
+                     const LeafMembers& members, const Method& method = {});
 
 /// Returns the mean displacement during the step of one corner each of up to 32 members; 0 if the scene is static.
 /// `ends`: see BuildInput.

@@ -73,7 +73,9 @@ std::int64_t assign_all(const Array<Ball>& balls, std::int64_t n, const std::uin
     workers.parallel_for(chunks, [&](std::size_t c, std::size_t) {
         const std::int64_t begin = static_cast<std::int64_t>(c) * chunk, end = std::min(n, begin + chunk);
         std::int64_t* count = s.histogram.data() + c * max_clusters;
-        kernels.assign(balls.data() + begin, end - begin, centres, s.mask1.data() + begin, count);
+        if (assign_members(s.membership, kernels, balls.data() + begin, end - begin,
+                           included ? included + begin : nullptr, centres, s.mask1.data() + begin, count))
+            s.may_lose = true;
         if (!included) return;
         for (std::int64_t t = begin; t < end; ++t) {
             if (included[t]) continue;
@@ -125,13 +127,15 @@ int split_cluster(int cluster, const Array<Ball>& balls, const Options& options,
     fuzzy_c_means(samples, point, fuzzy(options, first), centres);
     sizes.fill(0);
     Ball gathered[chunk];
+    bool loses = false;
     for (std::int64_t m = begin; m < begin + members; m += chunk) {
         const std::int64_t n = std::min(chunk, begin + members - m);
         for (std::int64_t i = 0; i < n; ++i) gathered[i] = balls[s.id[m + i]];
-        kernels.assign(gathered, n, centres, s.mask2.data() + m, sizes.data());
+        loses |= assign_members(s.membership, kernels, gathered, n, nullptr, centres, s.mask2.data() + m, sizes.data());
     }
     const std::int64_t total = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
     if (!pays(total, members, count)) return 0;
+    if (loses) s.may_lose = true;
     list_children(begin, begin + members, count, sizes.data(), kernels, s.mask2, s.members2[k]);
     return count;
 }
@@ -160,6 +164,7 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t
     for (std::size_t i = 0; i < samples; ++i) s.sample[i] = sample(i);
     const auto point = [&](std::size_t i) { return s.sample[i]; };
 
+    s.membership = membership_of(options, balls, n, included);
     const int wanted = choose_clusters(members, options);
     s.mask1.resize_discard(static_cast<std::size_t>(n + padding));
     for (int count = wanted;; count /= 2) {
@@ -175,6 +180,7 @@ void place_clusters(const Array<Ball>& balls, std::int64_t n, const std::uint8_t
         count = centres.count;
         if (count > 1) fuzzy_c_means(samples, point, fuzzy(options, first), centres);
         s.clusters = count;
+        s.may_lose = false;
         const std::int64_t total = assign_all(balls, n, included, kernels, workers, centres, s);
         if (count == 1 || options.clusters > 0 || pays(total, members, count)) break;
     }

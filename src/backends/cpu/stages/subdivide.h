@@ -14,11 +14,13 @@
 // leaf is a list of positions in these arrays or, if its cluster was not split, a range of them.
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 
 #include "backends/cpu/parallel.h"
 #include "backends/cpu/stages/kernels.h"
 #include "backends/cpu/stages/layout.h"
+#include "backends/cpu/stages/membership.h"
 #include "crumple/options.h"
 
 namespace crumple::cpu {
@@ -54,6 +56,8 @@ struct Subdivision {
     Array<Vec3f> sample;            ///< scratch
     Array<std::int32_t> included;   ///< triangles that are searched, if some are left out (Buffers::included)
     int clusters = 0;
+    SceneMembership membership;         ///< rule by which place_clusters() has assigned triangles
+    std::atomic<bool> may_lose{false};  ///< true if `membership` may lose pairs in the clusters and leaves made so far
 };
 
 /// Computes the centres and masks of the first level for triangles [0, n), or only for those t with included[t] if
