@@ -73,10 +73,12 @@ void OverlapSearch::release() {
 }
 
 void OverlapSearch::find(BackendBase& backend, BackendBase& host, WorldSearch& worlds, const World& given,
-                         const OverlapQuery& query, Overlaps& result, const OverlapBlocks* blocks) {
+                         const OverlapQuery& query, Overlaps& result, const OverlapBlocks* blocks,
+                         const PairsOfParts* parts) {
     host_ = &host;
     query_ = query;
     blocks_ = blocks;
+    parts_ = parts;
     delivered_ = 0;
     rational_ = 0;
     World world = given;
@@ -88,7 +90,8 @@ void OverlapSearch::find(BackendBase& backend, BackendBase& host, WorldSearch& w
     add_skipped(list_candidates(), result);
     // If only flags are requested, most of them are set by surfaces that meet, and the search for such surfaces ends
     // early.
-    const bool by_meeting = is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_;
+    const bool by_meeting =
+        is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_ && !parts;
     if (by_meeting) {
         find_flags(backend, worlds, world, result);
     } else if (blocks) {
@@ -150,6 +153,7 @@ void OverlapSearch::find_flags(BackendBase& backend, WorldSearch& worlds, const 
 
 void OverlapSearch::find_pairs(BackendBase& backend, WorldSearch& worlds, const World& world, Candidates candidates,
                                Statistics& statistics) {
+    if (parts_) return read_pairs(candidates);
     if (is_one_unposed_pair()) {
         find_pairs_of_two(backend);
         add_pass(found_.statistics, statistics);
@@ -319,6 +323,17 @@ void OverlapSearch::sort_pairs(Candidates candidates) {
         candidate.begin = i;
         while (i < order.size() && found_.bodies[order[i]] == candidate.bodies) ++i;
         candidate.end = i;
+    }
+}
+
+// Reads the pairs of candidates that the parts of the scene have found.
+void OverlapSearch::read_pairs(Candidates candidates) {
+    pairs_.clear();
+    for (Candidate& candidate : candidates) {
+        cancellation_.check();
+        candidate.begin = pairs_.size();
+        parts_->append(candidate.bodies, pairs_);
+        candidate.end = pairs_.size();
     }
 }
 
