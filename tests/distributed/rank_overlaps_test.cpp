@@ -265,22 +265,6 @@ TEST(RankOverlaps, invalid_calls_fail_alike_on_all_ranks) {
               "rank 2: body 1: triangle 0 names vertex 7 of 1 (body 5 over all ranks)");
 }
 
-TEST(RankOverlaps, mesh_is_refused_with_a_reason) {
-    std::vector<std::string> messages(2);
-    run_ranks(2, [&](Transport& transport) {
-        RankDetector detector(transport, for_overlaps());
-        try {
-            detector.find(LocalMesh(), OverlapQuery());
-        } catch (const Error& error) {
-            messages[static_cast<std::size_t>(transport.rank())] = error.what();
-        }
-    });
-    EXPECT_EQ(messages, std::vector<std::string>(2,
-                                                 "rank 0: ranks support overlaps of whole bodies only: pass a "
-                                                 "LocalWorld. The overlap of a mesh whose triangles are distributed "
-                                                 "would need winding numbers of distributed surfaces"));
-}
-
 TEST(RankOverlaps, stop_and_memory_limit_of_one_rank_end_the_call_on_all) {
     const ClosedBodies bodies = closed_bodies(41, 20, true, false);
     std::vector<ErrorCode> stopped(3, ErrorCode::invalid_argument), limited(3, ErrorCode::invalid_argument);

@@ -64,18 +64,6 @@ struct BodyNumbers {
 
 }  // namespace
 
-const DistributedOverlaps& RankDetector::find(const LocalMesh&, const OverlapQuery&, std::stop_token stop) {
-    guard(std::move(stop), [&] {
-        check_(Phase::query, [] {
-            throw Error(ErrorCode::invalid_argument,
-                        "ranks support overlaps of whole bodies only: pass a LocalWorld. The overlap of a mesh whose "
-                        "triangles are distributed would need winding numbers of distributed surfaces",
-                        Element::option);
-        });
-    });
-    return overlaps_;  // never reached: the check has thrown
-}
-
 const DistributedOverlaps& RankDetector::find(const LocalWorld& share, const OverlapQuery& query,
                                               std::stop_token stop) {
     overlaps_ = {};
