@@ -420,7 +420,7 @@ bool OverlapSearch::add_withdrawals(const PlacedSurface& a, const PlacedSurface&
     if (!query_.first_free || !a.surface->closed() || !b.surface->closed()) return counts.rational_tests != 0;
     FirstFreeCounts steps;
     for (const auto& [x, y, z] : query_.directions)
-        row.first_free.push_back(find_first_free(a, b, {x, y, z}, *host_, cancellation_, steps));
+        row.first_free.push_back(find_first_free(a, b, {x, y, z}, *host_, cancellation_, meter_, steps));
     return true;
 }
 
