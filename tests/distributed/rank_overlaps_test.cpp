@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "distributed/overlaps/overlap_messages.h"
 #include "distributed/rank_detector.h"
 #include "distributed/rank_failures.h"
 #include "distributed/rank_overlap_rows.h"
@@ -263,6 +264,41 @@ TEST(RankOverlaps, invalid_calls_fail_alike_on_all_ranks) {
                   if (rank == 2) piece.shapes[1] = Shape(wrong.view());
               }),
               "rank 2: body 1: triangle 0 names vertex 7 of 1 (body 5 over all ranks)");
+}
+
+TEST(RankOverlaps, memory_meter_counts_rows_that_are_sent_and_received) {
+    const ClosedBodies bodies = closed_bodies(42, 20, false, false);
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    const Overlaps rows = one.find(bodies.view(), OverlapQuery{.curves = true});
+    const auto message = static_cast<std::int64_t>(distribute::packed_rows(rows).size());
+    for (const std::int64_t limit : {std::int64_t{0}, message}) {
+        std::array<std::int64_t, 2> peaks{}, left{};
+        std::array<bool, 2> failed{};
+        run_ranks(2, [&](Transport& transport) {
+            const auto rank = static_cast<std::size_t>(transport.rank());
+            MemoryMeter meter;
+            if (rank == 0) meter.limit = limit;
+            {
+                distribute::MessageBatches batches(transport, 1 << 16);
+                distribute::CollectiveCheck agree(transport);
+                distribute::OverlapMessages messages(2, meter);
+                Overlaps received;
+                try {
+                    agree(Phase::rows,
+                          [&] { append_rows(rows, 0, rows.bodies.size(), messages.for_rank(rank == 0 ? 1 : 0)); });
+                    messages.exchange(batches, agree, received);
+                } catch (const Error& error) {
+                    failed[rank] = error.code == ErrorCode::memory_limit;
+                }
+            }
+            peaks[rank] = meter.peak, left[rank] = meter.used;
+        });
+        for (std::size_t rank = 0; rank < 2; ++rank) {
+            EXPECT_EQ(failed[rank], limit > 0);
+            EXPECT_EQ(left[rank], 0);
+            EXPECT_TRUE(limit > 0 || peaks[rank] > 2 * message) << peaks[rank];
+        }
+    }
 }
 
 TEST(RankOverlaps, stop_and_memory_limit_of_one_rank_end_the_call_on_all) {
