@@ -228,7 +228,7 @@ struct Overlaps {
     Array<std::uint8_t> is_solid;  ///< 1 if all winding numbers are 0 or 1, except in regions of volume 0
 
     // For a part of a scene (Detector::partition), instead of rows, which Detector::combine makes from all parts:
-    OverlapPart part;
+    OverlapPart part;  ///< the part that the result is about
     /// The pairs of triangles that intersect and that the part owns, as indices of triangles in the meshes, sorted by
     /// bodies and triangles. Bodies are the meshes, 0 and 1.
     Array<Pair> part_pairs;
