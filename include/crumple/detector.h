@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string_view>
 #include <utility>
@@ -32,13 +33,13 @@ template <class Query, class... Of>
 concept OneOf = (std::same_as<Query, Of> || ...);
 /// Queries that can be made about one part of a scene (Detector::partition).
 template <class Query>
-concept PartQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery>;
+concept PartQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery, OverlapQuery>;
 /// Queries that Detector::any takes.
 template <class Query>
-concept FlagQuery = PartQuery<Query> || OneOf<Query, OverlapQuery>;
+concept FlagQuery = PartQuery<Query>;
 /// Queries whose results can be left on a device (Detector::launch).
 template <class Query>
-concept LaunchQuery = PartQuery<Query> || OneOf<Query, CandidateQuery>;
+concept LaunchQuery = OneOf<Query, IntersectionQuery, ImpactQuery, ProximityQuery, CandidateQuery>;
 /// Queries whose rows can be delivered in blocks (Detector::stream).
 template <class Query>
 concept BlockQuery = LaunchQuery<Query> || OneOf<Query, OverlapQuery>;
@@ -94,7 +95,8 @@ class CRUMPLE_API Detector {
     /// hit flags and least distances are indexed by position in the part's lists: offsets[i] belongs to triangle
     /// part.mesh.ids[i]. `first` and `any` are those of the part; edges and points are empty, as the part has its own
     /// (PartFeatures). A part that did not come from partition() is validated; an Error then counts vertices and
-    /// triangles within the part.
+    /// triangles within the part. For an OverlapQuery, the result has the pairs of triangles that the part owns instead
+    /// of rows (Overlaps::part_pairs), whatever the output; combine() makes the rows from the results of all parts.
     ///
     /// Throws Error (invalid_argument) if supports() is false for the scene and the query.
     template <AnyQuery Query = IntersectionQuery>
@@ -107,7 +109,8 @@ class CRUMPLE_API Detector {
     bool supports(const Scene& scene, const Query& query = {}) const;
 
     /// True if find() would find anything. Stops at the first pair found; the cuda backend finds many at a time.
-    /// Ignores Query::output. If the result for an ImpactQuery is false, the step is free.
+    /// Ignores Query::output. If the result for an ImpactQuery is false, the step is free. Throws Error
+    /// (invalid_argument) for an OverlapQuery about a part, as a part alone does not determine which bodies overlap.
     template <FlagQuery Query = IntersectionQuery>
     bool any(const Scene& scene, const Query& query = {}, std::stop_token stop = {});
 
@@ -140,17 +143,18 @@ class CRUMPLE_API Detector {
                       FunctionRef<void(const typename Query::Result& block)> take,
                       std::int64_t block_rows = std::int64_t{1} << 18, std::stop_token stop = {});
 
-    /// Cuts a scene of one mesh, or of two for intersections, into `count` (1 to 262,144) parts for queries of this
-    /// type: intersections, impacts or proximities. The parts depend on the arguments only, so machines that have the
-    /// same meshes make the same parts. A part for impacts or proximities contains the query's radii and rest shape; it
-    /// can be searched only with the same `weld` and `rings`, and with distances up to those of this query. It takes
-    /// about twice as much memory as a part for intersections, and does not support triangle pairs. For intersections
-    /// the members of the query do not matter.
+    /// Cuts a scene of one mesh, or of two for intersections and overlaps, into `count` (1 to 262,144) parts for
+    /// queries of this type: intersections, impacts, proximities or overlaps. The parts depend on the arguments only,
+    /// so machines that have the same meshes make the same parts. A part for impacts or proximities contains the
+    /// query's radii and rest shape; it can be searched only with the same `weld` and `rings`, and with distances up to
+    /// those of this query. It takes about twice as much memory as a part for intersections, and does not support
+    /// triangle pairs. Parts for intersections and for overlaps are the same, and the members of the query do not
+    /// matter.
     ///
-    /// For intersections, meshes in device memory are downloaded first; for impacts and proximities, meshes must be in
-    /// host memory. Cost: up to 64 distances for each triangle and level (PartLevel), on all threads of the cpu
-    /// backend, and the copies of the triangles. Parts, and the memory to make them, are not counted by the memory
-    /// limit. A stop has no effect after the meshes have been read.
+    /// For intersections and overlaps, meshes in device memory are downloaded first; for impacts and proximities,
+    /// meshes must be in host memory. Cost: up to 64 distances for each triangle and level (PartLevel), on all threads
+    /// of the cpu backend, and the copies of the triangles. Parts, and the memory to make them, are not counted by the
+    /// memory limit. A stop has no effect after the meshes have been read.
     template <PartQuery Query = IntersectionQuery>
     std::vector<Part> partition(const Scene& scene, const Query& query, int count, std::stop_token stop = {});
 
@@ -162,6 +166,26 @@ class CRUMPLE_API Detector {
     /// backends. A search under a memory limit that it exceeds uses other clusters than those returned. Cost: the
     /// stages `bounds` and `subdivide` of find(), and the arrays. Their memory is not counted by the memory limit.
     Clustering cluster(const Scene& scene, std::stop_token stop = {});
+
+    /// Finds the overlaps of a mesh with itself, or of two meshes, from the results of find() for all parts of the same
+    /// meshes, in any order: the same bytes as find(scene, query). `parts`: one result for each part of one partition,
+    /// found with the same `self_overlaps`; other members of the query may differ. Only the search for triangles that
+    /// intersect is shared by the parts. This call computes the rest: winding numbers, sums and rows, and needs the
+    /// whole meshes.
+    ///
+    ///     std::vector<Overlaps> found;
+    ///     for (const Part& part : detector.partition(scene, OverlapQuery(), 8)) {
+    ///         detector.find(part, query);
+    ///         found.push_back(detector.take_result<Overlaps>());
+    ///     }
+    ///     const Overlaps& overlaps = detector.combine(scene, query, found);
+    ///
+    /// `parts` must not contain the detector's own result; take it out first (take_result). Throws Error
+    /// (invalid_argument) if a part is missing or occurs twice, if a result has triangles that the meshes lack or the
+    /// pair of another result, or for a world. Other results of other meshes with at least as many triangles are not
+    /// recognised. Cost: that of find() without the search, and O(pairs) to join the pairs.
+    const Overlaps& combine(const Scene& scene, const OverlapQuery& query, std::span<const Overlaps> parts,
+                            std::stop_token stop = {});
 
     /// Swaps the last result of this type with `other`. Afterwards `other` outlives the detector's next call and the
     /// detector, and the memory limit no longer counts it. The detector's result is empty; it reuses the old storage of

@@ -161,7 +161,7 @@ struct DistributedOverlaps {
     /// ranks, vertices and triangles their indices within bodies. `skipped` has the local ones of the skipped bodies;
     /// `body_volume` and `is_solid` belong to the local bodies, in the order in which this rank has provided them;
     /// `world_hit` and `statistics` are empty. Merged by first body, the rows of all ranks are the same bytes as those
-    /// of a single machine.
+    /// of a single machine. For a LocalMesh, which is body 0, the rank of triangle 0 has everything.
     Overlaps rows;
     DistributedStatistics statistics;
 };

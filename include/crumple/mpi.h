@@ -46,7 +46,7 @@ class CRUMPLE_API Detector {
 
     /// Finds everything that the query describes, as crumple::Detector::find does. Each rank gets the rows whose first
     /// triangle, feature or body it has provided, in order; valid until the next call. `Share` is LocalMesh or
-    /// LocalWorld; the query is an IntersectionQuery, ImpactQuery, ProximityQuery or, for a LocalWorld, OverlapQuery.
+    /// LocalWorld; the query is an IntersectionQuery, ImpactQuery, ProximityQuery or OverlapQuery.
     ///
     /// With less output than pairs no rows are sent; Output::any_by_world is the same as Output::any. A moving mesh has
     /// its end positions in MeshView::end; codimensional edges and points (MeshView::edges, MeshView::points) are
@@ -59,7 +59,9 @@ class CRUMPLE_API Detector {
     /// without `body_ids`, errors about anything but coordinates or triangles count the bodies of the rank that failed.
     ///
     /// Overlaps: a rank searches whole pairs of bodies, and the bodies that it lacks are sent to it in each call. The
-    /// overlap of a LocalMesh with itself is not supported, as it needs winding numbers of a distributed surface.
+    /// overlap of a LocalMesh with itself is one row, on the rank of triangle 0 (rank 0 if there is no triangle). All
+    /// ranks search for triangles that intersect; then that rank gets the whole mesh and computes the row alone, so it
+    /// needs memory for the whole mesh.
     template <class Query = IntersectionQuery, class Share>
     const typename Query::DistributedResult& find(const Share& share, const Query& query = {},
                                                   std::stop_token stop = {});

@@ -76,6 +76,13 @@ enum class OverlapRelation : std::uint8_t {
     undefined,      ///< a surface is not closed (OpenSurfaces::curves)
 };
 
+/// Part of a scene that a result of an OverlapQuery is about.
+struct OverlapPart {
+    /// Index and number of parts, as in Part; the number is 0 if the result is about a whole scene.
+    std::int32_t index = 0, count = 0;
+    bool self_overlaps = false;  ///< true if the pairs within each mesh are included
+};
+
 /// Result of an OverlapQuery: a row for each pair of bodies whose surfaces meet, or in which a component of one lies
 /// inside the other. First body ≤ second body, equal only with self_overlaps. Rows are sorted by first body, then by
 /// second body, so that worlds follow each other, and pairs among bodies that are in all worlds are last. Volumes, area
@@ -219,6 +226,13 @@ struct Overlaps {
     // For OverlapQuery::self_overlaps, by body:
     Array<double> body_volume;     ///< ∫ w dx, correctly rounded; NaN for a body whose surface is not closed
     Array<std::uint8_t> is_solid;  ///< 1 if all winding numbers are 0 or 1, except in regions of volume 0
+
+    // For a part of a scene (Detector::partition), instead of rows, which Detector::combine makes from all parts:
+    OverlapPart part;  ///< the part that the result is about
+    /// The pairs of triangles that intersect and that the part owns, as indices of triangles in the meshes, sorted by
+    /// bodies and triangles. Bodies are the meshes, 0 and 1.
+    Array<Pair> part_pairs;
+    Array<BodyPair> part_bodies;  ///< by pair: the two bodies; equal for a pair within one mesh
 
     Statistics statistics;
 };

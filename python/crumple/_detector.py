@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Literal, overload
 
 from . import _core
@@ -37,6 +37,14 @@ from ._scene import checked_copy, checked_query, excluded_in, scene_of, show, st
 Backend = Literal["automatic", "cpu", "cuda", "reference"]
 Simd = Literal["automatic", "scalar", "sse4", "avx2", "avx512", "neon"]
 _ALL = IntersectionQuery()
+
+
+def _part_of_overlaps(result: Any) -> tuple[Any, ...]:
+    """Returns the result of an OverlapQuery about a part in the form of the extension module."""
+    if not isinstance(result, Overlaps):
+        raise InvalidType(f"parts must be results of crumple.OverlapQuery, not {type(result).__name__}")
+    found = result._found
+    return *found.part, found.part_pairs, found.part_bodies
 
 
 class Detector(_core.Detector):
@@ -356,17 +364,17 @@ class Detector(_core.Detector):
         """Cuts a scene into independent parts, for instance for several machines.
 
         Each part owns some rows of the result. `find(part, query)` returns them; it needs no mesh, so it can run on any
-        machine. Every row belongs to exactly one part, so that all parts together have the whole result. Parts can be
-        pickled.
+        machine. Every row belongs to exactly one part, so that all parts together have the whole result. For overlaps,
+        `find(part, query)` returns pairs of triangles, and `combine` makes rows of them. Parts can be pickled.
 
         Parameters
         ----------
         scene : Mesh or mesh-like, or [mesh, mesh]
-            One mesh; two meshes for intersections only.
-        query : IntersectionQuery, ImpactQuery or ProximityQuery, default IntersectionQuery()
+            One mesh; two meshes for intersections and overlaps only.
+        query : IntersectionQuery, ImpactQuery, ProximityQuery or OverlapQuery, default IntersectionQuery()
             Query that the parts are made for. Later queries about parts for impacts and proximities must have at most
-            this distance, and the same `weld`, radii, rest shape and rings. For intersections the members of the query
-            do not matter.
+            this distance, and the same `weld`, radii, rest shape and rings. Parts for intersections and for overlaps
+            are the same, and the members of the query do not matter.
         count : int
             Number of parts, 1 to 262144.
 
@@ -423,6 +431,46 @@ class Detector(_core.Detector):
            3.
         """
         return Clustering(**self._call("cluster", scene_of(scene), _ALL))
+
+    @suggesting
+    def combine(self, scene: Any, query: OverlapQuery, parts: Iterable[Overlaps], *, copy: bool = False) -> Overlaps:
+        """Finds overlaps from the results of all parts of a scene: the same bytes as `find(scene, query)`.
+
+        The parts share the search for triangles that intersect. This call computes the rest: winding numbers, sums and
+        rows.
+
+        Parameters
+        ----------
+        scene : Mesh or mesh-like, or [mesh, mesh]
+            The same mesh, or two meshes, that were cut into parts.
+        query : OverlapQuery
+            Query about the whole scene.
+        parts : iterable of Overlaps
+            Results of `find(part, query)`, one for each part, in any order; results can be pickled. All must be found
+            with the same `self_overlaps` as in `query`. Other members of the query may differ.
+        copy : bool, default False
+            As for `find`.
+
+        Returns
+        -------
+        Overlaps
+
+        Raises
+        ------
+        InvalidInput, MemoryLimit
+            As `find`; also if a part is missing or occurs twice, or if a result has triangles that the scene lacks.
+
+        Examples
+        --------
+            query = crumple.OverlapQuery(curves=True)
+            found = [detector.find(part, query) for part in detector.partition(mesh, query, count=8)]
+            overlaps = detector.combine(mesh, query, found)
+        """
+        scene = scene_of(scene)
+        query = checked_query(scene, query)
+        results = [_part_of_overlaps(part) for part in parts]
+        combined = self._call("combine", scene, query, results)
+        return show(combined, scene, query, copy if copy is False else checked_copy(copy))
 
     @suggesting
     def launch(self, scene: Any, query: Query = _ALL, *, stream: Any = None) -> Launch:

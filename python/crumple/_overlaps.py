@@ -233,7 +233,21 @@ class Overlaps(Result):
     )
     is_solid = bools("(bodies,) bool: True if all winding numbers of a body are 0 or 1; made with `body_volume`.")
 
+    part_pairs = int32(
+        "(p, 2) int32, for a part of a scene: the pairs of triangles that intersect and that the part owns, as triangles "
+        "of the meshes. Detector.combine makes rows from the results of all parts.",
+        (2,),
+    )
+    part_bodies = int32("(p, 2) int32: for each of `part_pairs` the two meshes, 0 or 1; equal within one mesh.", (2,))
+
     def _check(self, name: str) -> None:
+        of_part = self._request.scene == "part"
+        if of_part != name.startswith("part_"):
+            known = "has pairs of triangles only: Detector.combine makes rows from the results of all parts"
+            whole = "is about a part of a scene, but this result is about a whole scene"
+            raise InvalidInput(f"the result about a part {known}, not {name}" if of_part else f"{name} {whole}")
+        if of_part:
+            return
         if name == "world_hit" and self._request.block:
             raise InvalidInput(f"{name} is part of a whole result, but this is one of its blocks")
         option = _OPTION.get(name)
@@ -302,6 +316,12 @@ class Overlaps(Result):
         return [slice(begin, end) for begin, end in pairwise(self.region_offsets.tolist())]
 
     @property
+    def part(self) -> tuple[int, int] | None:
+        """Index of the part of a scene that the result is about, and the number of parts. None for a whole scene."""
+        index, count, _ = self._found.part
+        return (index, count) if count else None
+
+    @property
     def count(self) -> int:
         """Number of pairs of bodies that are listed."""
         return self._found.count
@@ -311,6 +331,9 @@ class Overlaps(Result):
         return self._found.count
 
     def __repr__(self) -> str:
+        if self._request.scene == "part":
+            index, count, _ = self._found.part
+            return f"<crumple.Overlaps: part {index} of {count}, {len(self.part_pairs)} pairs of triangles>"
         pairs = "pair" if len(self) == 1 else "pairs"
         rows = (
             f"{len(self)} {pairs} of bodies" if self._request.output in ("body_pairs", "pairs") else f"any: {self.any}"

@@ -227,6 +227,8 @@ class _CheckOverlaps(_Check):
     def all(self) -> None:
         found, output = self._found, self._request.output
         self._that(output in ("any", "any_by_world", "body_pairs", "pairs"), "output")
+        if self._part():
+            return
         rows = len(found.bodies) if output in ("body_pairs", "pairs") else 0
         self._that(len(found.bodies) == len(found.relation) == found.count == rows, "count")
         numbers = (found.volume, found.centroid, found.area_vector, found.normal, found.mean_depth)
@@ -261,6 +263,20 @@ class _CheckOverlaps(_Check):
             self._that(len(values) == len(vertices) and (has(option) or not len(values)), option)
             self._that((vertices >= 0).all(), option)
         self._that(len(found.body_volume) == len(found.is_solid) and (itself or not len(found.is_solid)), "is_solid")
+
+    def _part(self) -> bool:
+        """Checks the lists of a part. Returns True if the result is about a part."""
+        found, of_part = self._found, self._request.scene == "part"
+        types = [type(value) for value in found.part]
+        self._that(types == [int, int, bool], "part")
+        index, count, _ = found.part
+        self._that(0 <= index < count if of_part else index == count == 0, "part")
+        pairs, bodies = found.part_pairs, found.part_bodies
+        self._that(len(pairs) == len(bodies) and (of_part or not len(pairs)), "part_pairs")
+        self._that((pairs >= 0).all() and (bodies >= 0).all() and (bodies <= 1).all(), "part_pairs")
+        if of_part:
+            self._that(not found.any and found.count == len(found.bodies) == len(found.volume) == 0, "part")
+        return of_part
 
     def _per_row(self, rows: int, arrays: dict[str, tuple[str, ...]]) -> None:
         given = self._request.options

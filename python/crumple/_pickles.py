@@ -28,7 +28,7 @@ _VALUES: dict[str, dict[str, type]] = {
     "Proximities": {"any": bool, "count": int, "statistics": Statistics},
     "Candidates": {"any": bool, "count": int, "statistics": Statistics},
     "Distances": {"statistics": Statistics},
-    "Overlaps": {"any": bool, "count": int, "statistics": Statistics},
+    "Overlaps": {"any": bool, "count": int, "statistics": Statistics, "part": tuple},
 }
 
 

@@ -471,7 +471,9 @@ class OverlapQuery(Query):
     filter: PairFilter = PairFilter()
 
     _call: ClassVar[str] = "overlaps"
-    _deliveries: ClassVar[frozenset[str]] = frozenset({"find", "supports", "any", "stream"})
+    _deliveries: ClassVar[frozenset[str]] = frozenset(
+        {"find", "supports", "any", "stream", "partition", "combine"}
+    )
 
     def __post_init__(self) -> None:
         """Replaces the directions by an immutable copy."""

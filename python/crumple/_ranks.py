@@ -193,9 +193,14 @@ class Overlaps(_OfRank, _overlaps.Overlaps):
     """
 
     def _check(self, name: str) -> None:
-        if name == "world_hit":
+        if name == "world_hit" or name.startswith("part_"):
             raise InvalidInput(f"{name} is not supported on ranks")
         super()._check(name)
+
+    @property
+    def part(self) -> None:
+        """None: ranks find overlaps of whole scenes."""
+        return None
 
     def __len__(self) -> int:
         """Number of local rows."""

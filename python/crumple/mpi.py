@@ -263,7 +263,7 @@ class Detector:
         share : LocalMesh or LocalWorld
             Local mesh or bodies of this rank.
         query : IntersectionQuery, ImpactQuery, ProximityQuery or OverlapQuery, default IntersectionQuery()
-            The same on all ranks. An OverlapQuery needs a LocalWorld.
+            The same on all ranks.
 
         Returns
         -------
@@ -286,8 +286,9 @@ class Detector:
         the rank's device (options["device"]); they are then downloaded first. They must not change until the call
         returns. There may be at most 2^31 - 1 triangles, and as many vertices, over all ranks. The scene is divided
         into parts for one query: a different minimum distance, or another type of query, makes new parts. For overlaps
-        it is not divided: each pair of bodies is searched by one rank, and the bodies that it lacks are sent to it in
-        each call.
+        of bodies it is not divided: each pair of bodies is searched by one rank, and the bodies that it lacks are sent
+        to it in each call. For the overlap of a mesh with itself, the rank of triangle 0 gets the whole mesh in each
+        call, and computes the row; only the search for triangles that intersect is divided.
 
         Cost: see Detector. The statistics of the result show what was sent, and how well the load was balanced.
 
@@ -441,22 +442,24 @@ class Detector:
 
     @_in_call
     @keywords_of(OverlapQuery)
-    def overlaps(self, world: Any, *, body_ids: Any = None, **options: Any) -> Overlaps:
+    def overlaps(
+        self, world: Any, *, triangle_ids: Any = None, vertex_ids: Any = None, body_ids: Any = None, **options: Any
+    ) -> Overlaps:
         """Finds the overlap of each pair of closed bodies: `find` with an OverlapQuery. Collective.
 
         Parameters
         ----------
-        world : World
-            Bodies of this rank.
-        body_ids : array_like of int64, optional
-            As for LocalWorld.
+        world : World or mesh
+            Bodies of this rank, or its triangles of a mesh, of which the overlap with itself is found.
+        triangle_ids, vertex_ids, body_ids : array_like of int64, optional
+            As for LocalMesh and LocalWorld.
         **options
             Members of the OverlapQuery.
 
         Returns
         -------
         Overlaps
-            Each row is on the rank that provided its first body.
+            Each row is on the rank that provided its first body; that of a mesh is on the rank of triangle 0.
 
         Raises
         ------
@@ -464,7 +467,8 @@ class Detector:
             As `find`.
         """
         return self._find(
-            lambda: share_of(scene_of(world), None, None, body_ids), lambda: query_of(OverlapQuery, options)
+            lambda: share_of(scene_of(world), triangle_ids, vertex_ids, body_ids),
+            lambda: query_of(OverlapQuery, options),
         )
 
     def set_progress(self, show: Callable[[str, int, int], Any] | None) -> None:

@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -134,6 +135,34 @@ nb::dict cluster(nb::handle self, nb::handle scene, nb::handle query, nb::handle
     return arrays;
 }
 
+// Returns a copy of the rows of an array (n, 2).
+template <class Row>
+Array<Row> copy_of_rows(nb::handle given) {
+    static_assert(sizeof(Row) == 2 * sizeof(std::int32_t));
+    using Rows = nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+    const auto rows = nb::cast<Rows>(given);
+    Array<Row> array;
+    array.resize_discard(rows.shape(0));
+    if (!array.empty()) std::memcpy(static_cast<void*>(array.data()), rows.data(), array.size() * sizeof(Row));
+    return array;
+}
+
+// Finds overlaps from the results of all parts: tuples (index, count, self_overlaps, pairs, bodies).
+nb::object combine(nb::handle self, nb::handle scene, nb::handle query, nb::handle excluded, const nb::list& results) {
+    std::vector<Overlaps> parts;
+    for (const nb::handle result : results) {
+        Overlaps& part = parts.emplace_back();
+        part.part = {nb::cast<std::int32_t>(result[0]), nb::cast<std::int32_t>(result[1]), nb::cast<bool>(result[2])};
+        part.part_pairs = copy_of_rows<Pair>(result[3]);
+        part.part_bodies = copy_of_rows<BodyPair>(result[4]);
+    }
+    const Call<OverlapQuery> call(self, scene, query, excluded);
+    SharedDetector& detector = call.detector;
+    Shown<Overlaps> result{detector.storage<Overlaps>()};
+    without_gil([&] { detector.combine(call.view, call.asked.query, parts, *result.storage); }, detector.stop());
+    return nb::cast(std::move(result));
+}
+
 // Counts the rows of a block. block.count is not used, because it includes the rows of all earlier blocks.
 template <class Block>
 std::int64_t rows_of(const Block& block) {
@@ -185,12 +214,17 @@ void bind_stream(nb::class_<SharedDetector>& detector, const std::string& name) 
 }
 
 template <class Query>
+void bind_partition(nb::class_<SharedDetector>& detector, const std::string& name) {
+    detector.def(("_partition_" + name).c_str(), partition<Query>, "scene"_a, "query"_a, "excluded"_a.none(),
+                 "count"_a.none());
+}
+
+template <class Query>
 void bind_pairs(nb::class_<SharedDetector>& detector, const std::string& name) {
     bind_find<Query>(detector, name);
     bind_stream<Query>(detector, name);
     bind_any<Query>(detector, name);
-    detector.def(("_partition_" + name).c_str(), partition<Query>, "scene"_a, "query"_a, "excluded"_a.none(),
-                 "count"_a.none());
+    bind_partition<Query>(detector, name);
 }
 
 }  // namespace
@@ -205,6 +239,8 @@ void bind_calls(nb::class_<SharedDetector>& detector) {
     bind_find<OverlapQuery>(detector, "overlaps");
     bind_any<OverlapQuery>(detector, "overlaps");
     bind_stream<OverlapQuery>(detector, "overlaps");
+    bind_partition<OverlapQuery>(detector, "overlaps");
+    detector.def("_combine_overlaps", combine, "scene"_a, "query"_a, "excluded"_a.none(), "results"_a);
     bind_find<FirstImpactQuery>(detector, "first_impact");
     bind_find<FreeStepQuery>(detector, "free_step");
     detector.def("_cluster_intersections", cluster, "scene"_a, "query"_a, "excluded"_a.none());

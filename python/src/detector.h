@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string_view>
 #include <thread>
@@ -63,6 +64,12 @@ class SharedDetector {
         return detector_.partition(scene, query, count, stop_->get_token());
     }
     Clustering cluster(const Scene& scene) { return detector_.cluster(scene, stop_->get_token()); }
+    /// Combines the results of all parts; `result` as in find().
+    void combine(const Scene& scene, const OverlapQuery& query, std::span<const Overlaps> parts, Overlaps& result) {
+        detector_.swap_result(result);
+        detector_.combine(scene, query, parts, stop_->get_token());
+        detector_.swap_result(result);
+    }
     /// Returns the result of stream(detector, sink, stop), which must call `sink` for each block. `sink` calls `take`
     /// with the GIL, in whichever thread of the library calls it. While `take` runs, calls of the detector from this
     /// thread are refused, as are those from the thread of the call.

@@ -79,6 +79,8 @@ void bind_overlap_arrays(Binding& result, OverlapsOf overlaps) {
     array(flag, "region_is_merged", &Overlaps::region_is_merged);
     array(index, "region_pieces", &Overlaps::region_pieces, 2U);
     array(offset, "curve_regions", &Overlaps::curve_regions);
+    array(index, "part_pairs", &Overlaps::part_pairs, 2U);
+    array(index, "part_bodies", &Overlaps::part_bodies, 2U);
 }
 
 }  // namespace crumple::python

@@ -243,6 +243,7 @@ void bind_overlaps(nb::module_& module) {
     Binding<R> result(module, "Overlaps", "Storage of a crumple.Overlaps.");
     result.value("any", [](const R& r) { return r.any; });
     result.value("count", [](const R& r) { return r.count; });
+    result.value("part", [](const R& r) { return nb::make_tuple(r.part.index, r.part.count, r.part.self_overlaps); });
     bind_overlap_arrays(result, [](const R& r) -> const Overlaps& { return r; });
 }
 

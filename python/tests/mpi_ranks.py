@@ -116,6 +116,26 @@ def overlaps_match_a_single_detector():
             assert 'output="pairs"' in str(error_of(getattr, some, "volume"))
 
 
+def overlap_of_a_mesh_with_itself_matches_a_single_detector():
+    shapes = boxes(bodies_by_turns).whole.shapes
+    corners = np.concatenate([np.asarray(shape.mesh.vertices) + [0.375 * b, 0, 0] for b, shape in enumerate(shapes)])
+    mesh = crumple.Mesh(corners, np.concatenate([np.asarray(shapes[0].mesh.faces) + 8 * b for b in range(8)]))
+    members = dict(gradient=True, windings=True)
+    expected = crumple.Detector(**ONE).overlaps(mesh, **members)
+    assert len(expected) == 1
+    for distribution in (round_robin, blocks, all_on_the_last):
+        local = RankMesh(mesh, distribution(mesh))
+        for options in ({}, dict(parts=7, batch_bytes=1024)):
+            with crumple.mpi.Detector(COMM, **ONE, **options) as detector:
+                found = detector.overlaps(local.mesh, **local.ids, **members)
+                assert found.any and found.count == 1 and len(found) == (0 in local.triangle_ids)
+                for name in ("volume", "bodies", "gradient", "gradient_vertices", "windings", "body_volume"):
+                    whole = getattr(expected, name)
+                    assert getattr(found, name).tobytes() == whole[: len(whole) * len(found)].tobytes(), name
+                assert found.part is None and "not supported on ranks" in str(error_of(getattr, found, "part_pairs"))
+                assert detector.any(local, crumple.OverlapQuery())
+
+
 def overlaps_of_open_bodies_and_meshes_are_refused_on_all_ranks():
     local = boxes(bodies_by_turns, opened=3)
     with crumple.mpi.Detector(COMM, **ONE) as detector:
@@ -124,7 +144,7 @@ def overlaps_of_open_bodies_and_meshes_are_refused_on_all_ranks():
         found = detector.overlaps(local.world, body_ids=local.body_ids, open="skip")
         assert found.skipped.tolist() == [3] * (3 in local.body_ids) and 3 not in found.bodies
         error = error_of(detector.overlaps, cloth())
-        assert "overlaps of whole bodies only: pass a LocalWorld" in str(error), error
+        assert "body 0: its surface is not closed" in str(error), error
 
 
 def impacts_match_a_single_detector():

@@ -252,9 +252,9 @@ SCENES = {
 }
 UNSUPPORTED = {
     ("mesh", "distances"): "distances need bodies: a world or two meshes",
-    ("part", "distances"): "parts support only intersections, impacts and proximities",
-    ("part", "candidates"): "parts support only intersections, impacts and proximities",
-    ("part", "free_step"): "parts support only intersections, impacts and proximities",
+    ("part", "distances"): "parts support only intersections, impacts, proximities and overlaps",
+    ("part", "candidates"): "parts support only intersections, impacts, proximities and overlaps",
+    ("part", "free_step"): "parts support only intersections, impacts, proximities and overlaps",
 }
 
 
@@ -268,7 +268,7 @@ def test_find_refuses_exactly_the_scenes_that_are_not_supported(scene, name):
     if why:
         with pytest.raises(crumple.InvalidInput, match=why):
             detector.find(SCENES[scene], query)
-    elif scene != "part" or name == "intersections":  # these parts are for intersections only
+    elif scene != "part" or name in ("intersections", "overlaps"):  # these parts are for pairs of triangles only
         detector.find(SCENES[scene], query)
 
 

@@ -29,6 +29,8 @@ class MemoryClaim {
         meter_.add(static_cast<std::int64_t>(bytes));
         bytes_ += static_cast<std::int64_t>(bytes);
     }
+    /// Removes all bytes from the claim.
+    void release() { meter_.add(-bytes_.exchange(0)); }
     std::size_t bytes() const { return static_cast<std::size_t>(bytes_.load()); }
 
    private:

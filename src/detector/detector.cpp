@@ -5,6 +5,7 @@
 #include "crumple/detector.h"
 
 #include <concepts>
+#include <span>
 #include <stop_token>
 #include <utility>
 #include <variant>
@@ -28,15 +29,15 @@ Overloaded(Functions...) -> Overloaded<Functions...>;
 }  // namespace
 
 struct Detector::Implementation : MeshCalls {
-    using MeshCalls::any, MeshCalls::find, MeshCalls::launch, MeshCalls::MeshCalls, MeshCalls::partition,
-        MeshCalls::stream, MeshCalls::wait;
+    using MeshCalls::any, MeshCalls::combine, MeshCalls::find, MeshCalls::launch, MeshCalls::MeshCalls,
+        MeshCalls::partition, MeshCalls::stream, MeshCalls::wait;
 
     /// Returns why this query is not supported for this scene with this backend, as one clause; empty if it is
     /// supported.
     template <class Query>
     const char* refusal(const Scene& scene, const Query& query) const {
         constexpr bool intersections = std::same_as<Query, IntersectionQuery>;
-        constexpr bool distances = std::same_as<Query, DistanceQuery>, overlaps = std::same_as<Query, OverlapQuery>;
+        constexpr bool distances = std::same_as<Query, DistanceQuery>;
         const auto* mesh = std::get_if<MeshView>(&scene.source());
         const auto* two = std::get_if<TwoMeshes>(&scene.source());
         const auto* world = std::get_if<World>(&scene.source());
@@ -48,8 +49,8 @@ struct Detector::Implementation : MeshCalls {
         }
         if (const char* why = refusal_of_membership(query); *why) return why;
         if (distances && mesh) return "distances need bodies: a world or two meshes";
-        if ((distances || overlaps || OneOf<Query, CandidateQuery, FreeStepQuery>)&&!mesh && !two && !world)
-            return "parts support only intersections, impacts and proximities";
+        if (!mesh && !two && !world && OneOf<Query, DistanceQuery, CandidateQuery, FreeStepQuery>)
+            return "parts support only intersections, impacts, proximities and overlaps";
         if (some_on_device && !on_cuda) return "meshes in device memory need the cuda backend (Options::backend)";
         if constexpr (intersections)
             if (some_on_device && query.containment) return "containment needs meshes in host memory";
@@ -136,6 +137,25 @@ struct Detector::Implementation : MeshCalls {
         return read;
     }
 
+    /// Returns the query about a single mesh, which is always about the overlap of the mesh with itself.
+    static OverlapQuery with_itself(OverlapQuery query) {
+        query.self_overlaps = true;
+        return query;
+    }
+
+    const Overlaps& combine(const Scene& scene, const OverlapQuery& query, std::span<const Overlaps> parts,
+                            std::stop_token stop) {
+        const auto* mesh = std::get_if<MeshView>(&scene.source());
+        const auto* two = std::get_if<TwoMeshes>(&scene.source());
+        require_supported(scene, query);
+        if (!mesh && !two) refuse("combine() needs the mesh or the two meshes that were cut into parts");
+        HostShape copy;
+        const MeshView first = mesh ? in_host_memory(*mesh, copy) : two->a;
+        return as_world(first, two ? &two->b : nullptr, [&](const World& world) -> const Overlaps& {
+            return combine(world, mesh ? with_itself(query) : query, parts, std::move(stop));
+        });
+    }
+
     // Dispatch by type of scene:
 
     template <class Query>
@@ -152,9 +172,7 @@ struct Detector::Implementation : MeshCalls {
             else if constexpr (std::same_as<Query, OverlapQuery>) {
                 HostShape copy;
                 return as_world(in_host_memory(mesh, copy), nullptr, [&](const World& world) -> const Result& {
-                    OverlapQuery with_itself = query;
-                    with_itself.self_overlaps = true;
-                    return find(world, with_itself, std::move(stop));
+                    return find(world, with_itself(query), std::move(stop));
                 });
             } else
                 return result_of(query);  // refused
@@ -177,7 +195,7 @@ struct Detector::Implementation : MeshCalls {
                     refuse("output must be pairs or contacts for a part");
                 const MeshView first = part->mesh.view(), second = part->second ? part->second->view() : MeshView();
                 return find_pairs(first, part->second ? &second : nullptr, part, query, std::move(stop));
-            } else if constexpr (std::same_as<Query, ImpactQuery> || std::same_as<Query, ProximityQuery>) {
+            } else if constexpr (PartQuery<Query>) {
                 return find(*part, query, std::move(stop));
             } else {
                 return result_of(query);  // refused
@@ -207,7 +225,12 @@ struct Detector::Implementation : MeshCalls {
     bool has_any(const Scene& scene, const Query& query, std::stop_token stop) {
         Query whether = query;
         whether.output = Output::any;
-        if constexpr (PartQuery<Query>) whether.index = false;
+        if constexpr (std::same_as<Query, OverlapQuery>) {
+            if (std::holds_alternative<const Part*>(scene.source()))
+                refuse("one part does not determine which bodies overlap: use find() for each part, then combine()");
+        } else {
+            whether.index = false;
+        }
         return find(scene, whether, std::move(stop)).any;
     }
 
@@ -220,9 +243,7 @@ struct Detector::Implementation : MeshCalls {
                 return stream(mesh, nullptr, query, take, block_rows, std::move(stop));
             else if constexpr (std::same_as<Query, OverlapQuery>)
                 return as_world(mesh, nullptr, [&](const World& world) {
-                    OverlapQuery with_itself = query;
-                    with_itself.self_overlaps = true;
-                    return stream(world, with_itself, take, block_rows, std::move(stop));
+                    return stream(world, with_itself(query), take, block_rows, std::move(stop));
                 });
             else
                 return stream(mesh, query, take, block_rows, std::move(stop));
@@ -252,7 +273,7 @@ struct Detector::Implementation : MeshCalls {
     template <PartQuery Query>
     std::vector<Part> partition(const Scene& scene, const Query& query, int count, std::stop_token stop) {
         const auto* mesh = std::get_if<MeshView>(&scene.source());
-        if constexpr (std::same_as<Query, IntersectionQuery>) {
+        if constexpr (OneOf<Query, IntersectionQuery, OverlapQuery>) {
             const auto* two = std::get_if<TwoMeshes>(&scene.source());
             if (mesh) return partition(*mesh, nullptr, count, std::move(stop));
             if (two) return partition(two->a, &two->b, count, std::move(stop));
@@ -328,6 +349,11 @@ std::vector<Part> Detector::partition(const Scene& scene, const Query& query, in
 Clustering Detector::cluster(const Scene& scene, std::stop_token stop) {
     return implementation_->cluster(scene, std::move(stop));
 }
+
+const Overlaps& Detector::combine(const Scene& scene, const OverlapQuery& query, std::span<const Overlaps> parts,
+                                  std::stop_token stop) {
+    return implementation_->combine(scene, query, parts, std::move(stop));
+}
 template <LaunchQuery Query>
 LaunchTicket<Query> Detector::launch(const Scene& scene, const Query& query) {
     return {*implementation_, implementation_->launch(scene, query)};
@@ -368,6 +394,7 @@ CRUMPLE_FOR_EACH_LISTED(CRUMPLE_STREAM)
 CRUMPLE_STREAM(CandidateQuery)
 CRUMPLE_STREAM(OverlapQuery)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_PARTITION)
+CRUMPLE_PARTITION(OverlapQuery)
 CRUMPLE_FOR_EACH_LISTED(CRUMPLE_LAUNCH)
 CRUMPLE_LAUNCH(CandidateQuery)
 

@@ -45,6 +45,46 @@ const Intersections& MeshCalls::find_pairs(const MeshView& a, const MeshView* b,
     return result;
 }
 
+// Adds the pairs of a part to the result of an overlap query.
+void MeshCalls::add_pairs(const Part& part, const BodyPair& bodies) {
+    const MeshView first = part.mesh.view(), second = part.second ? part.second->view() : MeshView();
+    const PreparedScene scene = prepare_scene(first, part.second ? &second : nullptr, false, *backend, buffers);
+    Intersections found = metered(&meter);
+    backend->find(scene, IntersectionQuery(), &part, found);
+    name_globally(part, found.pairs);
+    overlaps.part_pairs.grow_by(found.pairs.size());
+    overlaps.part_bodies.grow_by(found.pairs.size());
+    for (const Pair& pair : found.pairs) {
+        overlaps.part_pairs.push_back(pair);
+        overlaps.part_bodies.push_back(bodies);
+    }
+    add_pass(found.statistics, overlaps.statistics);
+}
+
+const Overlaps& MeshCalls::find(const Part& part, const OverlapQuery& query, std::stop_token stop) {
+    Stopwatch watch;
+    const bool two = part.second.has_value(), within = query.self_overlaps || !two;
+    const auto attempt = [&] {
+        cancellation.check();
+        clear(overlaps);
+        check_part(part);
+        check(!part.features, "the part was made for a query about features");
+        const MeshView second = two ? part.second->view() : MeshView();
+        as_world(part.mesh.view(), two ? &second : nullptr,
+                 [&](const World& world) { check_query_options(query, world); });
+        if (within) add_pairs(two ? part_within(part, 0) : part, {0, 0});
+        if (two) add_pairs(part, {0, 1});
+        if (two && within) add_pairs(part_within(part, 1), {1, 1});
+    };
+    run(std::move(stop), attempt, [&](std::int64_t least) { return least <= meter.limit; });
+    overlaps.part = {part.index, part.count, within};
+    overlaps.statistics.triangles = part.triangle_count();
+    overlaps.statistics.pairs = static_cast<std::int64_t>(overlaps.part_pairs.size());
+    overlaps.statistics.peak_memory_bytes = meter.peak;
+    overlaps.statistics.milliseconds = watch.lap();
+    return overlaps;
+}
+
 const Intersections& MeshCalls::find(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
                                      std::stop_token stop) {
     if (query.output == Output::pairs || query.output == Output::contacts)

@@ -12,8 +12,8 @@ namespace crumple {
 
 /// Intersection queries on mesh `a`, or on two meshes; `b` is null for one mesh.
 struct MeshCalls : WorldCalls {
-    using WorldCalls::find, WorldCalls::launch, WorldCalls::partition, WorldCalls::stream, WorldCalls::wait,
-        WorldCalls::WorldCalls;
+    using WorldCalls::combine, WorldCalls::find, WorldCalls::launch, WorldCalls::partition, WorldCalls::stream,
+        WorldCalls::wait, WorldCalls::WorldCalls;
 
     const Intersections& find(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
                               std::stop_token stop);
@@ -21,6 +21,8 @@ struct MeshCalls : WorldCalls {
     /// the part owns are found.
     const Intersections& find_pairs(const MeshView& a, const MeshView* b, const Part* part,
                                     const IntersectionQuery& query, std::stop_token stop);
+    /// Finds the pairs of triangles that the part owns, of which combine() makes overlaps.
+    const Overlaps& find(const Part& part, const OverlapQuery& query, std::stop_token stop);
     bool any(const MeshView& a, const MeshView* b, const IntersectionQuery& query, std::stop_token stop);
     Statistics stream(const MeshView& a, const MeshView* b, const IntersectionQuery& query,
                       Sink<IntersectionQuery> take, std::int64_t block_rows, std::stop_token stop);
@@ -44,6 +46,7 @@ struct MeshCalls : WorldCalls {
     }
 
    private:
+    void add_pairs(const Part& part, const BodyPair& bodies);
     /// Runs work(prepared scene) for meshes in host memory, or on_device() for meshes in device memory.
     template <class Work, class OnDevice>
     void run_on_meshes(const MeshView& a, const MeshView* b, const Part* part, const IntersectionQuery& query,

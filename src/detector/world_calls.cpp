@@ -101,6 +101,19 @@ const Overlaps& WorldCalls::find(const World& world, const OverlapQuery& query, 
     return overlaps;
 }
 
+const Overlaps& WorldCalls::combine(const World& world, const OverlapQuery& query, std::span<const Overlaps> parts,
+                                    std::stop_token stop) {
+    for (const Overlaps& part : parts)
+        if (&part == &overlaps) refuse("take the result of a part out of the detector before it combines the parts");
+    run_with_retry(overlaps, std::move(stop), [&](bool) {
+        check_query_options(query, world);
+        const PairsOfParts pairs(parts, world, query, meter);
+        overlap_search.find(*backend, host_backend(), worlds, world, query, overlaps, nullptr, &pairs);
+    });
+    overlaps.statistics.pairs = overlaps.count;
+    return overlaps;
+}
+
 void WorldCalls::search(const World& world, const OverlapQuery& query, const OverlapBlocks* blocks) {
     check_query_options(query, world);
     check_bodies_have_triangles(world, query.filter, false, "only triangles enclose a volume");

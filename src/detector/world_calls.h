@@ -3,6 +3,7 @@
 // Detector calls on worlds of bodies, and on features. For queries about features, a mesh is a world of one body.
 
 #include <concepts>
+#include <span>
 #include <stop_token>
 #include <tuple>
 #include <utility>
@@ -34,6 +35,9 @@ struct WorldCalls : DetectorState {
     const Overlaps& find(const World& world, const OverlapQuery& query, std::stop_token stop);
     Statistics stream(const World& world, const OverlapQuery& query, Sink<OverlapQuery> take, std::int64_t block_rows,
                       std::stop_token stop);
+    /// Returns the overlaps of meshes, given as a world without poses, from the results for all their parts.
+    const Overlaps& combine(const World& world, const OverlapQuery& query, std::span<const Overlaps> parts,
+                            std::stop_token stop);
     template <FeatureQuery Query>
     const typename Query::Result& find(const World& world, const Query& query, std::stop_token stop) {
         return find_features(world, query, true, std::move(stop));

@@ -54,6 +54,18 @@ const Proximities& PartSearch::find(const Part& part, const ProximityQuery& quer
     return find_features(part, query, memory, std::move(stop), nearby);
 }
 
+void PartSearch::find(const MeshView& mesh, const OverlapQuery& query, Array<Pair>& pairs, std::stop_token stop,
+                      Overlaps& rows) {
+    const Shape shapes[] = {Shape(mesh)};
+    const Body bodies[] = {{.self = true}};
+    Overlaps part = metered_overlaps(&meter);
+    part.part = {0, 1, true};
+    part.part_pairs = std::move(pairs);
+    part.part_bodies.assign(part.part_pairs.size(), {0, 0});
+    WorldCalls::combine(World{shapes, bodies, {}}, query, {&part, 1}, std::move(stop));
+    swap_out(overlaps, rows);
+}
+
 void PartSearch::read_surfaces(const World& world, bool weld, std::stop_token stop,
                                FunctionRef<void(const ClosedBodies&)> use) {
     const auto attempt = [&] {

@@ -38,6 +38,10 @@ class PartSearch : private WorldCalls {
         return WorldCalls::find(world, query, std::move(stop));
     }
 
+    /// Finds the overlap of a mesh with itself. `pairs`: all pairs of triangles that intersect, in any order; emptied.
+    void find(const MeshView& mesh, const OverlapQuery& query, Array<Pair>& pairs, std::stop_token stop,
+              Overlaps& rows);
+
     /// See Detector::set_poll.
     void set_poll(std::function<void()> poll) { cancellation.set_poll(std::move(poll)); }
 

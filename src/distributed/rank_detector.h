@@ -9,7 +9,8 @@
 //     members    find the parts of local triangles
 //     room       owners allocate memory, receive deltas
 //
-// Overlap queries search whole bodies instead of parts (overlaps/collected_overlaps.cpp).
+// Overlap queries search whole bodies instead of parts (overlaps/collected_overlaps.cpp). For a mesh they search parts,
+// and gather the mesh on one rank (overlaps/overlap_of_mesh.cpp).
 
 #include <array>
 #include <cstdint>
@@ -62,7 +63,6 @@ class CRUMPLE_API RankDetector {
     const DistributedProximities& find(const LocalWorld& share, const ProximityQuery& query, std::stop_token stop = {});
 
     const DistributedOverlaps& find(const LocalWorld& share, const OverlapQuery& query, std::stop_token stop = {});
-    /// Throws Error (invalid_argument): overlaps need whole bodies.
     const DistributedOverlaps& find(const LocalMesh& share, const OverlapQuery& query, std::stop_token stop = {});
 
     const DistributedOptions& options() const { return options_; }
@@ -91,6 +91,8 @@ class CRUMPLE_API RankDetector {
     void search_impacts(const ImpactQuery& query);
     void search_near(const ProximityQuery& query);
     void name_bodies_of_rows();
+    void find_overlap_of_mesh(const OverlapQuery& query);
+    int rank_of_first_triangle();
     void find_overlaps(const OverlapQuery& query);
     void list_pairs_of_bodies(const OverlapQuery& query, PairsOfBodies& pairs);
     void search_overlaps(const OverlapQuery& query, const PairsOfBodies& pairs, const BodyCopies& copies,

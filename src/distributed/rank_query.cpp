@@ -11,7 +11,7 @@ namespace crumple::distribute {
 namespace {
 
 // Kind of a query: the first of the numbers that ranks compare.
-enum class Kind : std::uint8_t { intersections, motion, nearness, of_bodies, overlaps };
+enum class Kind : std::uint8_t { intersections, motion, nearness, of_bodies, overlaps, overlap_of_mesh };
 
 // Appends all bits of x as two numbers that can be negated.
 void tell(double x, std::vector<std::int64_t>& told) {
@@ -150,6 +150,14 @@ ComparedQuery request_of_ranks(const OverlapQuery& query, const World& world) {
     tell(query.min_volume, asked.told);
     tell(query.depth_tolerance, asked.told);
     tell(query.filter, true, asked);
+    return asked;
+}
+
+ComparedQuery request_of_ranks(const OverlapQuery& query, const MeshView& mesh) {
+    const Shape shapes[] = {Shape(mesh)};
+    const Body bodies[] = {Body{}};
+    ComparedQuery asked = request_of_ranks(query, World{shapes, bodies, {}});
+    asked.told[0] = static_cast<std::int64_t>(Kind::overlap_of_mesh);
     return asked;
 }
 

@@ -33,6 +33,8 @@ ComparedQuery request_of_ranks(const ProximityQuery& query, bool world);
 ComparedQuery request_of_ranks(const IntersectionQuery& query);
 /// `world`: the local bodies of the rank.
 ComparedQuery request_of_ranks(const OverlapQuery& query, const World& world);
+/// Converts a query about the overlap of a mesh with itself. `mesh`: the local mesh of the rank.
+ComparedQuery request_of_ranks(const OverlapQuery& query, const MeshView& mesh);
 RankOutput output_of(const IntersectionQuery& query);
 
 }  // namespace crumple::distribute

@@ -196,6 +196,19 @@ void check_part(const Part& part) {
     }
 }
 
+Part part_within(const Part& part, int side) {
+    Part within;
+    within.index = part.index;
+    within.count = part.count;
+    within.mesh = side == 0 ? part.mesh : *part.second;
+    const auto begin = side == 0 ? 0 : part.mesh.size();
+    for (const PartLevel& level : part.levels) {
+        const auto first = level.masks.begin() + begin;
+        within.levels.push_back({level.cluster, {first, first + within.mesh.size()}});
+    }
+    return within;
+}
+
 void name_globally(const Part& part, Array<Pair>& pairs) {
     const std::int32_t *first = part.mesh.ids.data(), *second = part.second ? part.second->ids.data() : first;
     for (Pair& pair : pairs) pair = {first[pair.a], second[pair.b]};

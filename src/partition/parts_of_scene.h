@@ -47,6 +47,9 @@ std::vector<Part> make_parts(const PreparedScene& scene, int count, ParallelFor&
 /// neither coordinates nor the triangles' corners.
 void check_part(const Part& part);
 
+/// Returns the part of one of two meshes alone (`side`: 0 or 1): it owns pairs within that mesh.
+Part part_within(const Part& part, int side);
+
 /// Converts pairs from indices of the part's triangles to ids in the meshes.
 void name_globally(const Part& part, Array<Pair>& pairs);
 

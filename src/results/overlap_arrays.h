@@ -22,8 +22,9 @@ enum class OverlapLevel : std::uint8_t {
     curves,
     points,
     offsets,
+    part_pairs,
 };
-inline constexpr std::size_t overlap_levels = 11;
+inline constexpr std::size_t overlap_levels = 12;
 
 /// Calls act(list, parent, offsets) for each list whose elements belong to an element of a parent list, parents first:
 /// element i of the parent has the elements [offsets[i], offsets[i + 1]) of the list.
@@ -99,6 +100,8 @@ void for_each_overlap_array(Act act) {
     act("windings", &Overlaps::windings, Level::windings);
     act("body_volume", &Overlaps::body_volume, Level::bodies);
     act("is_solid", &Overlaps::is_solid, Level::bodies);
+    act("part_pairs", &Overlaps::part_pairs, Level::part_pairs);
+    act("part_bodies", &Overlaps::part_bodies, Level::part_pairs);
 }
 
 }  // namespace crumple

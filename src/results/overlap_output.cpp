@@ -44,6 +44,7 @@ void swap_out(Overlaps& mine, Overlaps& theirs) {
     });
     theirs.any = std::exchange(mine.any, false);
     theirs.count = std::exchange(mine.count, 0);
+    theirs.part = std::exchange(mine.part, {});
     theirs.statistics = std::exchange(mine.statistics, {});
 }
 
@@ -51,6 +52,7 @@ void clear(Overlaps& result) {
     for_each_overlap_array([&](const char*, auto array, OverlapLevel) { (result.*array).clear(); });
     result.any = false;
     result.count = 0;
+    result.part = {};
     result.statistics = {};
 }
 

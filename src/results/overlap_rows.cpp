@@ -42,7 +42,8 @@ void append_range(const Array<T>& from, std::size_t begin, std::size_t end, Arra
 }
 
 bool is_of_rows(OverlapLevel list) {
-    return list != OverlapLevel::worlds && list != OverlapLevel::skipped && list != OverlapLevel::bodies;
+    return list != OverlapLevel::worlds && list != OverlapLevel::skipped && list != OverlapLevel::bodies &&
+           list != OverlapLevel::part_pairs;
 }
 
 }  // namespace

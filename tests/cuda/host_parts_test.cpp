@@ -111,6 +111,33 @@ TEST(CudaHostParts, overlap_of_a_device_mesh_with_itself_matches_the_cpu) {
     EXPECT_GT(overlapping, 0);
 }
 
+TEST(CudaHostParts, overlaps_from_parts_match_the_cpu) {
+    Detector cuda({.backend = Backend::cuda}), cpu({.backend = Backend::cpu});
+    const auto combined = [&](const Scene& scene, const OverlapQuery& query) {
+        std::vector<Overlaps> found;
+        for (const Part& part : cuda.partition(scene, query, 3)) {
+            cuda.find(part, query);
+            found.push_back(cuda.take_result<Overlaps>());
+        }
+        return cuda.combine(scene, query, found);
+    };
+    std::int64_t rows = 0;
+    for (unsigned seed = 0; seed < 6; ++seed) {
+        SCOPED_TRACE(seed);
+        const ClosedBodies bodies = closed_bodies(seed, 2, seed % 2 == 0, false);
+        const Soup<double> both = joined(bodies.soups[0], bodies.soups[1]);
+        const DeviceMesh device(both.view());
+        const Overlaps itself = cpu.find(both.view(), everything);
+        EXPECT_EQ(difference(combined(both.view(), everything), itself), "");
+        EXPECT_EQ(difference(combined(device.view(), everything), itself), "");
+        const Scene two{bodies.soups[0].view(), bodies.soups[1].view()};
+        const Overlaps between = cpu.find(two, everything);
+        EXPECT_EQ(difference(combined(two, everything), between), "");
+        rows += itself.count + between.count;
+    }
+    EXPECT_GT(rows, 4);
+}
+
 TEST(CudaHostParts, several_devices_match_the_cpu) {
     cuda_on_cpu::settings().devices = 2;
     Options two;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "distributed/overlaps/overlap_messages.h"
 #include "distributed/rank_detector.h"
 #include "distributed/rank_failures.h"
 #include "distributed/rank_overlap_rows.h"
@@ -265,20 +266,39 @@ TEST(RankOverlaps, invalid_calls_fail_alike_on_all_ranks) {
               "rank 2: body 1: triangle 0 names vertex 7 of 1 (body 5 over all ranks)");
 }
 
-TEST(RankOverlaps, mesh_is_refused_with_a_reason) {
-    std::vector<std::string> messages(2);
-    run_ranks(2, [&](Transport& transport) {
-        RankDetector detector(transport, for_overlaps());
-        try {
-            detector.find(LocalMesh(), OverlapQuery());
-        } catch (const Error& error) {
-            messages[static_cast<std::size_t>(transport.rank())] = error.what();
+TEST(RankOverlaps, memory_meter_counts_rows_that_are_sent_and_received) {
+    const ClosedBodies bodies = closed_bodies(42, 20, false, false);
+    Detector one({.backend = Backend::cpu, .threads = 1});
+    const Overlaps rows = one.find(bodies.view(), OverlapQuery{.curves = true});
+    const auto message = static_cast<std::int64_t>(distribute::packed_rows(rows).size());
+    for (const std::int64_t limit : {std::int64_t{0}, message}) {
+        std::array<std::int64_t, 2> peaks{}, left{};
+        std::array<bool, 2> failed{};
+        run_ranks(2, [&](Transport& transport) {
+            const auto rank = static_cast<std::size_t>(transport.rank());
+            MemoryMeter meter;
+            if (rank == 0) meter.limit = limit;
+            {
+                distribute::MessageBatches batches(transport, 1 << 16);
+                distribute::CollectiveCheck agree(transport);
+                distribute::OverlapMessages messages(2, meter);
+                Overlaps received;
+                try {
+                    agree(Phase::rows,
+                          [&] { append_rows(rows, 0, rows.bodies.size(), messages.for_rank(rank == 0 ? 1 : 0)); });
+                    messages.exchange(batches, agree, received);
+                } catch (const Error& error) {
+                    failed[rank] = error.code == ErrorCode::memory_limit;
+                }
+            }
+            peaks[rank] = meter.peak, left[rank] = meter.used;
+        });
+        for (std::size_t rank = 0; rank < 2; ++rank) {
+            EXPECT_EQ(failed[rank], limit > 0);
+            EXPECT_EQ(left[rank], 0);
+            EXPECT_TRUE(limit > 0 || peaks[rank] > 2 * message) << peaks[rank];
         }
-    });
-    EXPECT_EQ(messages, std::vector<std::string>(2,
-                                                 "rank 0: ranks support overlaps of whole bodies only: pass a "
-                                                 "LocalWorld. The overlap of a mesh whose triangles are distributed "
-                                                 "would need winding numbers of distributed surfaces"));
+    }
 }
 
 TEST(RankOverlaps, stop_and_memory_limit_of_one_rank_end_the_call_on_all) {

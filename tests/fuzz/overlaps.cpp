@@ -1,6 +1,6 @@
 // Fuzz target: overlaps of closed bodies, and intersections with containment. Broken promises besides what the
 // sanitizers find: a result of the cpu backend that differs in a byte from brute force in rational arithmetic, or an
-// error that the other backend does not report.
+// error that the other backend does not report; overlaps from parts that differ from those of the whole.
 
 #include <sanitizer/asan_interface.h>
 
@@ -158,6 +158,25 @@ std::optional<typename Query::Result> judge(const World& world, const Query& que
     return std::get<Result>(found);
 }
 
+/// Requires overlaps from parts of one or two meshes to be those of the whole.
+void judge_parts(const Scene& scene, const OverlapQuery& query, Detector& detector) {
+    const auto whole = outcome_of<Overlaps>([&]() -> const Overlaps& { return detector.find(scene, query); });
+    const auto joined = outcome_of<Overlaps>([&]() -> const Overlaps& {
+        std::vector<Overlaps> found;
+        for (const Part& part : detector.partition(scene, query, 3)) {
+            detector.find(part, query);
+            found.push_back(detector.take_result<Overlaps>());
+        }
+        return detector.combine(scene, query, found);
+    });
+    const auto *error = std::get_if<Error>(&joined), *expected = std::get_if<Error>(&whole);
+    if (error && !expected) fail(std::string("combine throws: ") + error->what());
+    if (expected && !error) fail(std::string("combine does not throw: ") + expected->what());
+    if (error || expected) return;
+    const std::string different = test::difference(std::get<Overlaps>(joined), std::get<Overlaps>(whole));
+    if (!different.empty()) fail(different + " of parts differs");
+}
+
 void judge(const Bodies& bodies, Detector& reference) {
     std::vector<Arrays> arrays;
     std::vector<Shape> shapes;
@@ -175,6 +194,10 @@ void judge(const Bodies& bodies, Detector& reference) {
             for (std::int64_t j = overlaps->curve_offsets[i]; j < overlaps->curve_offsets[i + 1]; ++j)
                 if (overlaps->curve_closed[j] == 0 && overlaps->relation[i] != OverlapRelation::undefined)
                     fail("a curve of closed surfaces is open");
+    const MeshView first(shapes[0].vertices, shapes[0].triangles);
+    if (all.size() == 1) judge_parts(first, bodies.query, detector);
+    if (all.size() == 2)
+        judge_parts({first, MeshView(shapes[1].vertices, shapes[1].triangles)}, bodies.query, detector);
     IntersectionQuery inside{.weld = bodies.query.weld, .containment = true};
     if (bodies.query.open == OpenSurfaces::skip) inside.open = OpenSurfaces::skip;
     for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs}) {

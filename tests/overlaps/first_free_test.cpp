@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "backends/reference/reference_first_free.h"
+#include "exact/withdrawal/sheared_face.h"
 #include "overlaps/closed_bodies.h"
 #include "overlaps/placed_soups.h"
 #include "overlaps/random_triangles.h"
@@ -23,7 +24,9 @@ namespace {
 double first_free(const Placed& a, const Placed& b, const Vec3d& d, FirstFreeCounts& counts) {
     Cancellation none;
     ParallelFor serial;
-    const double t = find_first_free(a.surface, b.surface, d, serial, none, counts);
+    MemoryMeter meter;
+    const double t = find_first_free(a.surface, b.surface, d, serial, none, meter, counts);
+    EXPECT_EQ(meter.used, 0);
     WithdrawalCounts of_withdrawal;
     EXPECT_LE(t, find_withdrawal(a.surface, b.surface, d, serial, none, of_withdrawal));
     return t;
@@ -198,6 +201,23 @@ TEST(FirstFree, search_ends_if_places_of_contact_converge) {
     b.vertices = {{2, 3, 2}, {4, 0, 4}, {2, 2, 1}, {1, 3, 4}};
     b.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
     EXPECT_GT(agreed(a, b, {1, 2, 0}), 0);
+}
+
+TEST(FirstFree, memory_meter_counts_cached_faces_and_their_numbers) {
+    const Placed a(box({0, 0, 0}, {1, 1, 1})), b(box({0.25, 0.25, 0.25}, {1.25, 1.25, 1.25}));
+    Cancellation none;
+    ParallelFor serial;
+    FirstFreeCounts counts;
+    MemoryMeter unlimited, limited;
+    EXPECT_EQ(find_first_free(a.surface, b.surface, {0, 0, 1}, serial, none, unlimited, counts), 0.75);
+    EXPECT_EQ(unlimited.used, 0);
+    const auto faces = static_cast<std::int64_t>(24 * sizeof(ShearedFace));
+    EXPECT_GT(unlimited.peak, faces);
+    EXPECT_LT(unlimited.peak, 10 * faces);
+    limited.limit = unlimited.peak - 1;
+    EXPECT_THROW(find_first_free(a.surface, b.surface, {0, 0, 1}, serial, none, limited, counts),
+                 MemoryMeter::Exceeded);
+    EXPECT_EQ(limited.used, 0);
 }
 
 TEST(FirstFree, numbers_of_any_size_are_exact) {

@@ -64,18 +64,6 @@ struct BodyNumbers {
 
 }  // namespace
 
-const DistributedOverlaps& RankDetector::find(const LocalMesh&, const OverlapQuery&, std::stop_token stop) {
-    guard(std::move(stop), [&] {
-        check_(Phase::query, [] {
-            throw Error(ErrorCode::invalid_argument,
-                        "ranks support overlaps of whole bodies only: pass a LocalWorld. The overlap of a mesh whose "
-                        "triangles are distributed would need winding numbers of distributed surfaces",
-                        Element::option);
-        });
-    });
-    return overlaps_;  // never reached: the check has thrown
-}
-
 const DistributedOverlaps& RankDetector::find(const LocalWorld& share, const OverlapQuery& query,
                                               std::stop_token stop) {
     overlaps_ = {};
@@ -97,7 +85,8 @@ void RankDetector::find_overlaps(const OverlapQuery& query) {
     list_pairs_of_bodies(query, pairs);
     BodyCopies copies(engine_->memory());
     copies.exchange(rounds_, check_, bodies_, pairs);
-    std::array<Overlaps, 2> found;  // of bodies with themselves, of pairs
+    // Overlaps of bodies with themselves, and of pairs:
+    std::array found{metered_overlaps(&engine_->memory()), metered_overlaps(&engine_->memory())};
     bool any = false;
     search_overlaps(query, pairs, copies, found, any);
     const bool listed = query.output == Output::pairs || query.output == Output::body_pairs;
@@ -228,7 +217,7 @@ void RankDetector::search_overlaps(const OverlapQuery& query, const PairsOfBodie
 
 // Sends rows to the ranks of their first bodies.
 void RankDetector::collect_overlaps(const OverlapQuery& query, std::array<Overlaps, 2>& found) {
-    OverlapMessages messages(transport_.size());
+    OverlapMessages messages(transport_.size(), engine_->memory());
     check_(Phase::rows, [&] {
         for (const Overlaps& rows : found)
             for (std::size_t begin = 0, end = 0; begin < rows.bodies.size(); begin = end) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/memory_claim.h"
 #include "distributed/transport/exchange_lists.h"
 #include "results/overlap_arrays.h"
+#include "results/overlap_output.h"
 #include "results/overlap_rows.h"
 
 namespace crumple::distribute {
@@ -43,21 +45,34 @@ Overlaps unpacked_rows(std::span<const std::byte> message) {
     return rows;
 }
 
+OverlapMessages::OverlapMessages(int ranks, MemoryMeter& meter) : meter_(meter) {
+    for_rank_.reserve(static_cast<std::size_t>(ranks));
+    for (int r = 0; r < ranks; ++r) for_rank_.push_back(metered_overlaps(&meter));
+}
+
 void OverlapMessages::exchange(MessageBatches& batches, CollectiveCheck& agree, Overlaps& result) {
     std::vector<std::vector<std::byte>> leaving;
+    MemoryClaim memory_of_leaving(meter_), memory_of_coming(meter_);
     agree(Phase::rows, [&] {
         leaving.resize(for_rank_.size());
         for (std::size_t r = 0; r < leaving.size(); ++r) {
             leaving[r] = packed_rows(for_rank_[r]);
+            memory_of_leaving.add(bytes_of(leaving[r]));
             for_rank_[r] = {};
         }
     });
     const Traffic traffic = traffic_of(batches, [&](std::size_t r) { return leaving[r].size(); });
     std::vector<std::byte> coming;
-    agree(Phase::rows, [&] { coming.resize(all(traffic.in)); });
+    agree(Phase::rows, [&] {
+        memory_of_coming.add(all(traffic.in));
+        coming.resize(all(traffic.in));
+    });
     exchange_lists(
         batches, traffic, [&](std::size_t r) -> auto& { return leaving[r]; }, coming);
+    leaving = {};
+    memory_of_leaving.release();
     agree(Phase::output, [&] {
+        memory_of_coming.add(all(traffic.in));  // for the unpacked rows
         const std::vector<std::int64_t> first = first_of_each(traffic.in);
         std::vector<Overlaps> rows;
         for (std::size_t r = 0; r < traffic.in.size(); ++r)

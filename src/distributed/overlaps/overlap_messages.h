@@ -15,7 +15,8 @@ namespace crumple::distribute {
 
 class OverlapMessages {
    public:
-    explicit OverlapMessages(int ranks) : for_rank_(static_cast<std::size_t>(ranks)) {}
+    /// `meter` counts the rows to be sent, and messages.
+    OverlapMessages(int ranks, MemoryMeter& meter);
 
     /// Lists of rows to be sent to a rank.
     Overlaps& for_rank(int rank) { return for_rank_[static_cast<std::size_t>(rank)]; }
@@ -24,6 +25,7 @@ class OverlapMessages {
     void exchange(MessageBatches& batches, CollectiveCheck& agree, Overlaps& result);
 
    private:
+    MemoryMeter& meter_;
     std::vector<Overlaps> for_rank_;
 };
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <map>
-#include <set>
 
 #include "scene/body_filter.h"
 #include "scene/near_bodies.h"
@@ -73,25 +72,33 @@ void PairsOfBodies::list(const OverlapQuery& query) {
 
 void PairsOfBodies::assign(const Bodies& bodies, int ranks) {
     constexpr std::int64_t work_of_a_pair = 64;  // in triangles
+    constexpr std::size_t most_ranks = 4;
     std::vector<std::int64_t> work;
     for (const auto& [a, b] : pairs_) work.push_back(bodies.triangles_of(a) + bodies.triangles_of(b) + work_of_a_pair);
     // Ranks near a pair: those that have provided its bodies, first that of the larger one, then those that search
-    // another pair with one of the bodies.
-    std::map<std::int32_t, std::set<int>> searching;  // ranks by body
+    // another pair with one of the bodies. Of these, only the last few ranks that began with a body are tried, so that
+    // a body in many pairs, such as a floor, does not cost the number of ranks in each of them; earlier ranks are
+    // mostly full.
+    std::map<std::int32_t, std::vector<int>> searching;  // ranks by body, the last one last
     std::vector<int> ranks_near;
     std::ptrdiff_t last = -1;
+    const auto add_rank = [](int rank, std::vector<int>& ranks) {
+        if (std::find(ranks.begin(), ranks.end(), rank) != ranks.end()) return;
+        if (ranks.size() == most_ranks) ranks.erase(ranks.begin());
+        ranks.push_back(rank);
+    };
     const auto near_pair = [&](std::size_t k) {
         if (last >= 0)
             for (const std::int32_t body :
                  {pairs_[static_cast<std::size_t>(last)].first, pairs_[static_cast<std::size_t>(last)].second})
-                searching[body].insert(owners_.of(static_cast<std::int32_t>(last)));
+                add_rank(owners_.of(static_cast<std::int32_t>(last)), searching[body]);
         last = static_cast<std::ptrdiff_t>(k);
         auto [larger, smaller] = pairs_[k];
         if (bodies.triangles_of(smaller) > bodies.triangles_of(larger)) std::swap(larger, smaller);
         ranks_near = {bodies.rank_of(larger), bodies.rank_of(smaller)};
         for (const std::int32_t body : {larger, smaller})
             if (const auto at = searching.find(body); at != searching.end())
-                ranks_near.insert(ranks_near.end(), at->second.begin(), at->second.end());
+                ranks_near.insert(ranks_near.end(), at->second.rbegin(), at->second.rend());
         return std::span<const int>(ranks_near);
     };
     owners_.give_out(work, ranks, near_pair);

@@ -12,6 +12,12 @@ Rational power_of_two(int exponent) {
     return exponent < 0 ? Rational(1, power) : Rational(power);
 }
 
+/// Returns the bytes of the digits of a number. Few digits are stored in the number itself, and are counted twice.
+std::size_t bytes_of_limbs(const Rational& x) {
+    const auto limbs = [](const mp::cpp_int& n) { return n.backend().size() * sizeof(mp::limb_type); };
+    return limbs(numerator(x)) + limbs(denominator(x));
+}
+
 using IntegerPoint = Vec3<Integer>;
 
 Rational share_of(const Integer& x, const Integer& divisor) {
@@ -108,6 +114,17 @@ ShearedPlace Shear::coordinates_of(const ShearedPlace& place) const {
     const Integer& along = direction_[axis_];
     const Rational unit = unit_ / Rational(mp::cpp_int(along < 0 ? -along : along));
     return unit * place;
+}
+
+std::size_t bytes_of(const ShearedPlace& place) {
+    return sizeof(ShearedPlace) + bytes_of_limbs(place.u) + bytes_of_limbs(place.v);
+}
+
+std::size_t ShearedFace::bytes() const {
+    std::size_t bytes = sizeof(ShearedFace);
+    for (const ShearedPoint* p : {&corner_[0], &corner_[1], &corner_[2], &normal_})
+        bytes += bytes_of_limbs(p->x) + bytes_of_limbs(p->y) + bytes_of_limbs(p->z);
+    return bytes;
 }
 
 ShearedFace::ShearedFace(const FaceCorners& corners, const Shear& shear, std::int32_t index)

@@ -33,6 +33,9 @@ struct BeforeInPlane {
 };
 using PlaceSet = std::set<ShearedPlace, BeforeInPlane>;
 
+/// Returns the bytes of a place, including what its numbers allocate.
+std::size_t bytes_of(const ShearedPlace& place);
+
 using ShearedPoint = Vec3<Rational>;
 
 inline ShearedPlace place_of(const ShearedPoint& p) { return {p.x, p.y}; }
@@ -82,6 +85,8 @@ class ShearedFace {
     int side(std::size_t k, const ShearedPlace& p) const { return jump() * sign(cross(edge(k), p - place(k))); }
     /// Returns the height at a place in the plane of a face that is not upright.
     Rational height(const ShearedPlace& p) const;
+    /// Returns the bytes of this object, including what its numbers allocate.
+    std::size_t bytes() const;
     /// Returns how much the height changes along w.
     Rational slope(const ShearedPlace& w) const { return -(normal_.x * w.u + normal_.y * w.v) / normal_.z; }
 

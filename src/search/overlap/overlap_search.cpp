@@ -40,11 +40,13 @@ void OverlapSearch::release() {
 }
 
 void OverlapSearch::find(BackendBase& backend, BackendBase& host, WorldSearch& worlds, const World& given,
-                         const OverlapQuery& query, Overlaps& result, const OverlapBlocks* blocks) {
+                         const OverlapQuery& query, Overlaps& result, const OverlapBlocks* blocks,
+                         const PairsOfParts* parts) {
     host_ = &host;
     device_ = backend.overlap_device();
     query_ = query;
     blocks_ = blocks;
+    parts_ = parts;
     delivered_ = 0;
     rational_ = 0;
     World world = given;
@@ -56,7 +58,8 @@ void OverlapSearch::find(BackendBase& backend, BackendBase& host, WorldSearch& w
     add_skipped(list_candidates(), result);
     // If only flags are requested, most of them are set by surfaces that meet, and the search for such surfaces ends
     // early.
-    const bool by_meeting = is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_;
+    const bool by_meeting =
+        is_flag(query.output) && query.min_volume == 0 && !query.self_overlaps && none_is_open_ && !parts;
     if (by_meeting) {
         find_flags(backend, worlds, world, result);
     } else if (blocks) {
@@ -118,6 +121,7 @@ void OverlapSearch::find_flags(BackendBase& backend, WorldSearch& worlds, const 
 
 void OverlapSearch::find_pairs(BackendBase& backend, WorldSearch& worlds, const World& world, Candidates candidates,
                                Statistics& statistics) {
+    if (parts_) return read_pairs(candidates);
     if (is_one_unposed_pair()) {
         find_pairs_of_two(backend);
         add_pass(found_.statistics, statistics);
@@ -310,6 +314,17 @@ void OverlapSearch::sort_pairs(Candidates candidates) {
     }
 }
 
+// Reads the pairs of candidates that the parts of the scene have found.
+void OverlapSearch::read_pairs(Candidates candidates) {
+    pairs_.clear();
+    for (Candidate& candidate : candidates) {
+        cancellation_.check();
+        candidate.begin = pairs_.size();
+        parts_->append(candidate.bodies, pairs_);
+        candidate.end = pairs_.size();
+    }
+}
+
 // Lists the candidates: pairs of bodies whose boxes overlap and whose surfaces are closed; with OpenSurfaces::curves
 // also pairs of different bodies whose surfaces are not. Returns the bodies that the result has to name as skipped.
 std::vector<std::int32_t> OverlapSearch::list_candidates() {
@@ -402,7 +417,7 @@ bool OverlapSearch::add_withdrawals(const PlacedSurface& a, const PlacedSurface&
     if (!query_.first_free || !a.surface->closed() || !b.surface->closed()) return counts.rational_tests != 0;
     FirstFreeCounts steps;
     for (const auto& [x, y, z] : query_.directions)
-        row.first_free.push_back(find_first_free(a, b, {x, y, z}, *host_, cancellation_, steps));
+        row.first_free.push_back(find_first_free(a, b, {x, y, z}, *host_, cancellation_, meter_, steps));
     return true;
 }
 

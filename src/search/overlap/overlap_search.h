@@ -29,6 +29,7 @@
 #include "search/containment/closed_bodies.h"
 #include "search/overlap/overlap_batch.h"
 #include "search/overlap/overlap_row.h"
+#include "search/overlap/pairs_of_parts.h"
 #include "search/world_search.h"
 
 namespace crumple {
@@ -41,9 +42,10 @@ class OverlapSearch {
     /// `worlds` finds the pairs of triangles that intersect, by `backend`; all else is computed by the threads and
     /// kernels of `host`, a backend that runs on the host. If `blocks` is not null, delivers the rows in blocks: the
     /// same rows, in the same order, without `world_hit`. A result without rows that has lists by body, or skipped
-    /// bodies, is one block without rows.
+    /// bodies, is one block without rows. If `parts` is not null, nothing is searched: it has the pairs of triangles.
     void find(BackendBase& backend, BackendBase& host, WorldSearch& worlds, const World& world,
-              const OverlapQuery& query, Overlaps& result, const OverlapBlocks* blocks = nullptr);
+              const OverlapQuery& query, Overlaps& result, const OverlapBlocks* blocks = nullptr,
+              const PairsOfParts* parts = nullptr);
 
     /// Frees all memory, except for the surfaces.
     void release();
@@ -65,6 +67,7 @@ class OverlapSearch {
                     Statistics& statistics);
     void sort_pairs(Candidates candidates);
     std::unique_ptr<OverlapBatch> cross_on_device(Candidates candidates);
+    void read_pairs(Candidates candidates);
     std::vector<OverlapRow> make_rows(Candidates candidates, MemoryClaim& memory);
     void find_rows(BackendBase& backend, WorldSearch& worlds, const World& world, Overlaps& result);
     void add_if_in_result(const Candidate& candidate, const OverlapRow& row, bool solids, Overlaps& result) const;
@@ -105,6 +108,7 @@ class OverlapSearch {
     OverlapDevice* device_ = nullptr;  ///< null if the backend has none
     OverlapQuery query_;
     const OverlapBlocks* blocks_ = nullptr;
+    const PairsOfParts* parts_ = nullptr;
     std::int64_t delivered_ = 0;             ///< number of rows delivered in blocks
     std::atomic<std::int64_t> rational_{0};  ///< number of rows that needed rational arithmetic
     SceneBuffers buffers_of_two_;

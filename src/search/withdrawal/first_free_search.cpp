@@ -5,33 +5,22 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <queue>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include "exact/intersection/exact_intersection.h"
 #include "exact/withdrawal/exact_withdrawal.h"
 #include "exact/withdrawal/filtered_withdrawal.h"
 #include "exact/withdrawal/inside_column.h"
 #include "search/withdrawal/projected_tree.h"
+#include "search/withdrawal/sheared_surface.h"
 
 namespace crumple {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::int32_t samples_of_surface = 48;
-
-double rounded_down(const Rational& x) { return -rounded_up(-x); }
-
-/// Interval of float64 numbers that contains a rational number.
-struct Rounded {
-    double low, high;
-
-    explicit Rounded(const Rational& x) : low(rounded_down(x)), high(rounded_up(x)) {}
-};
 
 /// Returns a number that is at least x − y and exceeds it by little.
 double least_above_difference(double x, double y) { return std::nextafter(x - y, infinite); }
@@ -46,109 +35,6 @@ int common_exponent_of(const PlacedSurface& a, const PlacedSurface& b) {
 }
 
 double largest_coordinate_of(const Bounds& box) { return max(largest(abs(box.low)), largest(abs(box.high))); }
-
-/// Surface whose faces are found by their places.
-class ShearedSurface {
-   public:
-    ShearedSurface(const PlacedSurface& surface, const ProjectionAlong& projection, const Shear& shear,
-                   ParallelFor& workers, Cancellation& cancellation)
-        : surface_(surface),
-          projection_(projection),
-          shear_(shear),
-          tree_(surface, projection, workers, cancellation) {}
-
-    const PlacedSurface& surface() const { return surface_; }
-    ProjectedTree& tree() { return tree_; }
-    const ShearedFace& face(std::int32_t face);
-    /// Frees memory if many faces are cached, some megabytes; invalidates references to faces.
-    void forget_faces() {
-        if (faces_.size() > most_cached_faces) faces_.clear();
-    }
-
-    /// Returns the faces whose closed projection contains a place, and that are not upright.
-    std::vector<const ShearedFace*> faces_at(const ShearedPlace& place);
-    /// Returns the other faces whose boxes overlap that of a face, in the projection and in height.
-    std::vector<std::int32_t> neighbours(std::int32_t face);
-    /// True if a face meets no other face except at vertices and edges that they share.
-    bool is_clean(std::int32_t face);
-
-   private:
-    static constexpr std::size_t most_cached_faces = 4096;
-
-    template <class Test, class Visit>
-    void walk(Test test, Visit visit);
-
-    const PlacedSurface& surface_;
-    const ProjectionAlong& projection_;
-    const Shear& shear_;
-    ProjectedTree tree_;
-    std::unordered_map<std::int32_t, ShearedFace> faces_;
-    std::unordered_map<std::int32_t, bool> clean_;
-};
-
-const ShearedFace& ShearedSurface::face(std::int32_t face) {
-    const auto found = faces_.find(face);
-    if (found != faces_.end()) return found->second;
-    return faces_.emplace(face, ShearedFace(surface_.corners(face), shear_, face)).first->second;
-}
-
-/// Visits the triangles whose boxes, and those of all nodes above, pass a test.
-template <class Test, class Visit>
-void ShearedSurface::walk(Test test, Visit visit) {
-    std::vector<std::int32_t> stack{ProjectedTree::root};
-    while (!stack.empty()) {
-        const std::int32_t index = stack.back();
-        stack.pop_back();
-        const ProjectedTree::Node node = tree_.node(index);
-        if (!test(node.box)) continue;
-        if (!node.is_leaf()) {
-            const std::int32_t child = tree_.first_child(index);
-            stack.push_back(child);
-            stack.push_back(child + 1);
-            continue;
-        }
-        for (std::int32_t i = node.begin; i < node.end; ++i)
-            if (test(tree_.triangle(i).box)) visit(tree_.triangle(i).face);
-    }
-}
-
-std::vector<const ShearedFace*> ShearedSurface::faces_at(const ShearedPlace& place) {
-    const ShearedPlace scaled = Rational(projection_.scale()) * shear_.coordinates_of(place);
-    const Rounded u(scaled.u), v(scaled.v);
-    std::vector<const ShearedFace*> faces;
-    walk(
-        [&](const Bounds& box) {
-            return box.low.x <= u.high && box.high.x >= u.low && box.low.y <= v.high && box.high.y >= v.low;
-        },
-        [&](std::int32_t index) {
-            const ShearedFace& f = face(index);
-            if (!f.is_upright() && f.position(place) >= 0) faces.push_back(&f);
-        });
-    return faces;
-}
-
-std::vector<std::int32_t> ShearedSurface::neighbours(std::int32_t face) {
-    const Bounds own = projection_(surface_.corners(face));
-    std::vector<std::int32_t> faces;
-    walk([&](const Bounds& box) { return overlap(box, own); },
-         [&](std::int32_t other) {
-             if (other != face) faces.push_back(other);
-         });
-    return faces;
-}
-
-bool ShearedSurface::is_clean(std::int32_t face) {
-    const auto found = clean_.find(face);
-    if (found != clean_.end()) return found->second;
-    const auto triangle = [&](std::int32_t f) {
-        const std::int32_t* c = surface_.surface->corners(f);
-        return Triangle{surface_.corners(f), {c[0], c[1], c[2]}};
-    };
-    const std::vector<std::int32_t> others = neighbours(face);
-    return clean_[face] = std::none_of(others.begin(), others.end(), [&](std::int32_t other) {
-               return intersect_rationally(triangle(face), triangle(other)).collides;
-           });
-}
 
 /// Bounds on the t of two faces that one float64 filter gives; see enclose_withdrawal().
 class PairFilterAlong {
@@ -177,13 +63,14 @@ class PairFilterAlong {
 class FirstFreeSearch {
    public:
     FirstFreeSearch(const PlacedSurface& a, const PlacedSurface& b, const Vec3d& direction, ParallelFor& workers,
-                    Cancellation& cancellation, FirstFreeCounts& counts)
+                    Cancellation& cancellation, MemoryMeter& meter, FirstFreeCounts& counts)
         : projection_(direction, max(largest_coordinate_of(a.box), largest_coordinate_of(b.box))),
           shear_(direction, projection_.axis(), common_exponent_of(a, b)),
-          a_(a, projection_, shear_, workers, cancellation),
-          b_(b, projection_, shear_, workers, cancellation),
+          a_(a, projection_, shear_, workers, cancellation, meter),
+          b_(b, projection_, shear_, workers, cancellation, meter),
           filter_(direction, projection_.axis()),
           cancellation_(cancellation),
+          meter_(meter),
           counts_(counts) {}
 
     double find();
@@ -229,17 +116,18 @@ class FirstFreeSearch {
     ShearedSurface a_, b_;
     PairFilterAlong filter_;
     Cancellation& cancellation_;
+    MemoryMeter& meter_;
     FirstFreeCounts& counts_;
-    Rational lift_ = 0;                      ///< the insides overlap at all smaller lifts
-    Rounded lift_in_coordinates_{0}, t_{0};  ///< bounds on lift_, in the unit of coordinates and of the direction
+    Rational lift_ = 0;                            ///< the insides overlap at all smaller lifts
+    RoundedBounds lift_in_coordinates_{0}, t_{0};  ///< bounds on lift_, in the unit of coordinates and of the direction
     std::vector<LiftInterval> samples_;
     bool has_components_ = false;  ///< true if samples_ has a column through each component
 };
 
 void FirstFreeSearch::set_lift(const Rational& lift) {
     lift_ = lift;
-    lift_in_coordinates_ = Rounded(shear_.coordinate_of(lift));
-    t_ = Rounded(shear_.parameter_of(lift));
+    lift_in_coordinates_ = RoundedBounds(shear_.coordinate_of(lift));
+    t_ = RoundedBounds(shear_.parameter_of(lift));
 }
 
 InsideColumns FirstFreeSearch::columns_at(const ShearedPlace& place) {
@@ -355,7 +243,7 @@ bool FirstFreeSearch::advance_by_pairs() {
                    if (!end || (best && end->high <= best->high)) return;
                    best = end;
                    t = rounded_up(shear_.parameter_of(end->high));
-                   least_difference = rounded_down(shear_.coordinate_of(end->high));
+                   least_difference = RoundedBounds(shear_.coordinate_of(end->high)).low;
                });
     if (!best) return false;
     ++counts_.pairs;
@@ -366,7 +254,9 @@ bool FirstFreeSearch::advance_by_pairs() {
 
 // Advances if the insides overlap at the current lift next to a place where faces touch.
 bool FirstFreeSearch::advance_by_contacts() {
-    PlaceSet places;
+    constexpr std::size_t bytes_of_node = 32;  // of a set, besides its element
+    PlaceSet places, of_pair;
+    MemoryClaim memory(meter_);
     walk_pairs([](double) { return true; },
                [&](std::int32_t f, std::int32_t g) {
                    const FaceCorners p = a_.surface().corners(f), q = b_.surface().corners(g);
@@ -374,7 +264,11 @@ bool FirstFreeSearch::advance_by_contacts() {
                    cancellation_.check();
                    a_.forget_faces();
                    b_.forget_faces();
-                   add_contact_places(a_.face(f), b_.face(g), lift_, places);
+                   add_contact_places(a_.face(f), b_.face(g), lift_, of_pair);
+                   while (!of_pair.empty()) {
+                       const auto [at, is_new, old] = places.insert(of_pair.extract(of_pair.begin()));
+                       if (is_new) memory.add(bytes_of_node + bytes_of(*at));
+                   }
                });
     for (const ShearedPlace& place : places) {
         cancellation_.check();
@@ -497,9 +391,9 @@ double FirstFreeSearch::find() {
 }  // namespace
 
 double find_first_free(const PlacedSurface& a, const PlacedSurface& b, const Vec3d& direction, ParallelFor& workers,
-                       Cancellation& cancellation, FirstFreeCounts& counts) {
+                       Cancellation& cancellation, MemoryMeter& meter, FirstFreeCounts& counts) {
     if (a.surface->face_count() == 0 || b.surface->face_count() == 0) return 0;
-    return FirstFreeSearch(a, b, direction, workers, cancellation, counts).find();
+    return FirstFreeSearch(a, b, direction, workers, cancellation, meter, counts).find();
 }
 
 }  // namespace crumple

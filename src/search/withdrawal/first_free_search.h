@@ -35,9 +35,10 @@ struct FirstFreeCounts {
 ///
 /// Cost: O(faces), as both surfaces are projected in each call, then a walk over the pairs of faces that cross for each
 /// step, of which there are up to some hundreds; and a millisecond for each place where faces touch at the end. Memory:
-/// projected_bytes_per_face (withdrawal_search.h), and rational numbers that the memory meter does not count: those of
-/// up to some thousand faces, and of all places where faces touch.
+/// projected_bytes_per_face (withdrawal_search.h), which the caller counts, and rational numbers, which `meter` counts
+/// approximately: those of up to some thousand faces, and of all places where faces touch. Throws
+/// MemoryMeter::Exceeded.
 double find_first_free(const PlacedSurface& a, const PlacedSurface& b, const Vec3d& direction, ParallelFor& workers,
-                       Cancellation& cancellation, FirstFreeCounts& counts);
+                       Cancellation& cancellation, MemoryMeter& meter, FirstFreeCounts& counts);
 
 }  // namespace crumple
