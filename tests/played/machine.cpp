@@ -1,5 +1,6 @@
 // Settings of the emulated device in tests of the cuda backend: one multiprocessor, so that each call starts few
-// threads. The variable CUDA_BLOCK_THREADS (64 or 256) sets the number of threads per block.
+// threads, unless CUDA_ON_CPU_MULTIPROCESSORS sets another number. The variable CUDA_BLOCK_THREADS (64 or 256) sets the
+// number of threads per block.
 
 #include <cstdlib>
 #include <string>
@@ -10,7 +11,7 @@
 namespace {
 
 const bool chosen = [] {
-    cuda_on_cpu::settings().multiprocessors = 1;
+    if (!std::getenv("CUDA_ON_CPU_MULTIPROCESSORS")) cuda_on_cpu::settings().multiprocessors = 1;
     if (const char* threads = std::getenv("CUDA_BLOCK_THREADS"))
         crumple::cuda::block_threads = static_cast<unsigned>(std::stoi(threads));
     return true;
