@@ -15,18 +15,26 @@
 namespace crumple::benchmark {
 namespace {
 
-/// Times `frames` launches with poses and result on the device. Sets `differs` if `any` of one of the results is not
-/// that of `expected`; their other members are not compared.
+/// Times `frames` launches with poses and result on the device. Describes in `wrong` how `any` of one of the results,
+/// or the flags and pairs of the last one, differ from `expected`.
 Summary steps_on_device(const Options& options, int frames, const World& world, const IntersectionQuery& query,
-                        const Intersections& expected, bool& differs) {
+                        const Intersections& expected, std::string& wrong) {
     const DeviceArray poses(world.poses.data(), world.poses.size_bytes());
     World there = world;
     there.poses = {};
     there.device_poses = {static_cast<const Pose*>(poses.data()), static_cast<std::int64_t>(world.poses.size())};
     Detector detector(options);
+    bool differs = false;
     const auto step = [&] { differs |= detector.launch(there, query).wait().any != expected.any; };
     for (int warm_up = 0; warm_up < 4; ++warm_up) step();
-    return repeated(frames, step);
+    const Summary times = repeated(frames, step);
+    const auto last = detector.launch(there, query);
+    last.wait();
+    const Intersections& found = last.download();
+    if (differs) wrong += "some steps on the device differ. ";
+    wrong += array_difference("world flags of a step", found.world_hit, expected.world_hit) +
+             array_difference("pairs of a step", found.pairs, expected.pairs);
+    return times;
 }
 
 }  // namespace
@@ -68,9 +76,7 @@ void measure_worlds(int count, const Options& options, int frames, Table& table,
         const double stages = std::accumulate(found.statistics.stage_milliseconds.begin(),
                                               found.statistics.stage_milliseconds.end(), 0.0);
         const Summary times = repeated(std::min(5, frames), [&] { detector.find(world, query); });
-        bool differs = false;
-        const Summary steps = steps_on_device(options, frames, world, query, *expected, differs);
-        if (differs) wrong += "steps on the device differ. ";
+        const Summary steps = steps_on_device(options, frames, world, query, *expected, wrong);
         table.row({name, std::to_string(count), std::to_string(triangles), std::to_string(hits), std::to_string(pairs),
                    number(steps.median), number(times.median), range(times),
                    wants == Output::pairs ? number(stages) : "", number(on_cpu), number(first)});

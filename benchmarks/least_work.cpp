@@ -62,9 +62,9 @@ LeastWork least_work(std::int64_t vertices, bool float32, const Statistics& coun
     const double counting = bins * 3 * bin_counter + corners_of_members + members * (index + span_of_bins + rank);
     const double placing = bins * bin_counter + corners_of_members + n * mask +
                            members * (member + span_of_bins + rank + streamed + gathered);
-    at(Stage::sort) = {counting + bins * 2 * bin_counter + placing + members * end + units * size<cuda::Unit>, 3};
+    at(Stage::sort) = {counting + bins * 2 * bin_counter + placing + members * end + units * size<cuda::SweepUnit>, 3};
 
-    at(Stage::sweep) = {members * streamed + units * size<cuda::Unit> + swept_rows * gathered +
+    at(Stage::sweep) = {members * streamed + units * size<cuda::SweepUnit> + swept_rows * gathered +
                             (two_levels ? n * mask : 0) + survivors * size<cuda::Candidate>,
                         1};
 

@@ -261,7 +261,10 @@ void add_cost_options(CLI::App& app, Options& options) {
         ->delimiter(',')
         ->allow_extra_args(false)
         ->check(integer(0, std::numeric_limits<int>::max()));
-    app.add_option("--threads", options.threads, "Number of threads; without it, as many as the machine has")
+    app.add_option("--threads", options.threads,
+                   "Number of threads of the cpu backend, and of the cuda backend for what the host computes; without "
+                   "it, as many as "
+                   "the machine has")
         ->type_name("N")
         ->check(integer(1, 1024));
     app.add_option("--clusters", options.clusters,
@@ -306,8 +309,6 @@ void check_cost_options(const Options& options) {
     if ((options.device || !options.devices.empty()) &&
         (options.backend == Backend::reference || options.backend == Backend::cpu))
         fail("--device applies to --backend cuda only");
-    if (options.threads && options.backend == Backend::cuda)
-        fail("--threads does not apply to --backend cuda: the search runs on the device");
     if (options.backend != Backend::reference) return;
     if (options.threads) fail("--threads does not apply to --backend reference, which has one thread");
     if (options.clusters) fail("--clusters does not apply to --backend reference, which has no clusters");

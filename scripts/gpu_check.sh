@@ -2,8 +2,8 @@
 # Tests the cuda backend on a machine with a CUDA device, which may be offline, and measures its speed.
 #   scripts/gpu_check.sh --pack [OPTIONS]   to be run first, on a machine with nvcc: makes the pack of programs and
 #                                           data, build-gpu/pack.tar.xz (scripts/gpu_pack.sh)
-#   scripts/gpu_check.sh --first            the most important steps, within 90 seconds
-#   scripts/gpu_check.sh --all              these and all others, within 300 seconds
+#   scripts/gpu_check.sh --first            the most important steps, within 150 seconds
+#   scripts/gpu_check.sh --all              these and all others, within 360 seconds
 #     --out FOLDER       folder for results; default: $OUT, else benchmarks/results
 #     --seconds N        another limit
 #     --programs FOLDER  uses the programs in FOLDER, not those of the pack: for example programs for an emulated
@@ -14,7 +14,8 @@
 # if a tool, package, program or permission that it needs is missing. The folder for results gets:
 #   check.json, check.log           results of the steps; both grow step by step, so an aborted run leaves its results
 #   cuda_first.json, cuda.json      figures of crumple
-#   cuda_rival.json                 figures of cuBQL
+#   ratios.json                     times divided by those of an earlier commit (gpu_common.sh), both measured in this run
+#   cubql.json                      figures of cuBQL
 #   cuda_peers.json                 figures of NVIDIA Warp
 #   kernels.txt                     time, registers and occupancy of each kernel in one frame of the benchmark, and by
 #                                   how much the frame takes longer than its kernels
@@ -32,6 +33,7 @@ known_answers           20 find_known_answers
 & device_test           45 run_tests device_test 4
 & device_features_test  45 run_tests device_features_test 2
 bytes                   60 list_calls | compare_bytes
+ratios                  60 compare_with_earlier_commit
 figures                 40 benchmark cuda_first.json --scene "$scene" --largest 0 --worlds 0 --step none $frames
 rival                   20 run_rival
 profile                 60 profile_kernels
@@ -69,8 +71,8 @@ while (($#)); do
     esac
 done
 case $mode in
-    first) limit=${limit:-90} ;;
-    all) limit=${limit:-300} ;;
+    first) limit=${limit:-150} ;;
+    all) limit=${limit:-360} ;;
     *) usage ;;
 esac
 work=$top/build-device/check data=${CRUMPLE_DATA:-$top/../shared/data}
@@ -144,8 +146,8 @@ finish() {
 }
 
 # Variables that the shells of the steps inherit.
-export top out work left_out version data packed bin scene scenes frames small most_calls CRUMPLE_DATA PATH=$PATH:/usr/local/cuda/bin
-scene=cloth_ball92 scenes='cloth_ball92 227 balls16_18' frames='' small='' most_calls=1000
+export top out work left_out version data packed bin scene scenes steps frames small most_calls CRUMPLE_DATA PATH=$PATH:/usr/local/cuda/bin
+scene=cloth_ball92 scenes='cloth_ball92 227 balls16_18' steps='unc_cloth_ball unc_n_body' frames='' small='' most_calls=1000
 if [[ -f $pack ]]; then
     packed=$top/build-device/pack data=$top/build-device/pack/data
     step unpack 60 unpack
@@ -155,10 +157,10 @@ elif [[ ! $bin ]]; then
     note unpack failed 0 "build-gpu/pack.tar.xz is missing; --pack makes it"
     finish
 fi
-[[ -f $data/scalable-ccd/cloth-ball/frames/cloth_ball92.ply ]] || scene=cloth:100000 scenes=$scene
+[[ -f $data/scalable-ccd/cloth-ball/frames/cloth_ball92.ply ]] || scene=cloth:100000 scenes=$scene steps=cloth:100000
 # Measures a small scene and makes few calls if --programs is given, because an emulated device is slow.
 if [[ $bin ]]; then
-    scene=cloth:300@40 scenes=$scene frames='--frames 2' most_calls=8
+    scene=cloth:300@40 scenes=$scene steps=cloth:300 frames='--frames 2' most_calls=8
     small="--scene $scene --largest 0 --worlds 3 --step cloth:300"
 fi
 bin=${bin:-$packed/bin} CRUMPLE_DATA=$data

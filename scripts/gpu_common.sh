@@ -5,6 +5,10 @@ pack=$top/build-gpu/pack.tar.xz
 programs=(tests/device/{device_test,device_features_test,device_truth_test,device_agreement_test,device_stages_test}
     tests/device/{device_portable_test,write_hard_soups} benchmarks/crumple_cuda_benchmark cli/crumple)
 rival=benchmarks/crumple_cubql_benchmark
+# Earlier commit whose benchmark the pack contains as $earlier, to measure both on one device: the first one with right results
+# on a device. (Its parent with the code of the first run, 896aa2a, decides pairs wrongly if nvcc 13.0 compiles it.)
+earlier_commit=a1b770c8082780855f4b5e464642237be1df7255
+earlier=crumple_cuda_benchmark_earlier
 
 # Prints the files of $CRUMPLE_DATA that the pack contains: scenes of the benchmark, exact results of other programs for these
 # scenes (gt/), and small scenes on which the outputs of the cpu and cuda backends are compared.

@@ -2,9 +2,9 @@
 # Makes build-gpu/pack.tar.xz, which scripts/gpu_check.sh needs on the machine with the device; needs nvcc but no
 # device.
 #   scripts/gpu_pack.sh [--python VERSION|PATH] [--cubql PATH] [--warp]
-# The pack contains the programs of the check, for $CUDAARCHS (default 90: machine code for compute capability 9.0, PTX
-# for later ones) and with line numbers for profilers; their libraries; a wheel of the Python package; scenes of
-# $CRUMPLE_DATA.
+# The pack contains the programs of the check, and the benchmark of an earlier commit (gpu_common.sh), all for $CUDAARCHS
+# (default 90: machine code for compute capability 9.0, PTX for later ones) and with line numbers for profilers; their
+# libraries; a wheel of the Python package; scenes of $CRUMPLE_DATA.
 #   --python  the interpreter that builds the wheel ($CRUMPLE_GPU_PYTHON, else python3.12). From 3.12 on, wheels have the
 #             stable ABI: a wheel of 3.12 works in all later versions.
 #   --cubql   a checkout or a repository of cuBQL ($CUBQL, else GitHub's), whose BVH is compared with the backend
@@ -49,14 +49,15 @@ find_cubql() {
     fi
 }
 
-# Builds the wheel, by pip, and the programs in one build folder, so that the library is compiled only once. Links both with
-# shared libraries, which the pack contains in lib/, since some systems have no position-independent static libraries, which
-# the wheel's module would need.
+# Settings of all builds. They link with shared libraries, which the pack contains in lib/, since some systems have no
+# position-independent static libraries, which the wheel's module would need.
+settings=("CMAKE_CUDA_ARCHITECTURES=${CUDAARCHS:-90}" CMAKE_CUDA_FLAGS=-lineinfo CRUMPLE_CUDA=ON CRUMPLE_BENCHMARKS=ON
+    CMAKE_BUILD_WITH_INSTALL_RPATH=ON "CMAKE_INSTALL_RPATH=\$ORIGIN/../lib;\$ORIGIN/../../lib"
+    "CMAKE_EXE_LINKER_FLAGS=-Wl,--disable-new-dtags" "CMAKE_MODULE_LINKER_FLAGS=-Wl,--disable-new-dtags")
+
+# Builds the wheel, by pip, and the programs in one build folder, so that the library is compiled only once.
 build_programs() {
-    local settings=("CMAKE_CUDA_ARCHITECTURES=${CUDAARCHS:-90}" CMAKE_CUDA_FLAGS=-lineinfo CRUMPLE_CUDA=ON
-        CRUMPLE_DEVICE_TESTS=ON CRUMPLE_BENCHMARKS=ON "CRUMPLE_CUBQL=$cubql" CMAKE_BUILD_WITH_INSTALL_RPATH=ON
-        "CMAKE_INSTALL_RPATH=\$ORIGIN/../lib;\$ORIGIN/../../lib" "CMAKE_EXE_LINKER_FLAGS=-Wl,--disable-new-dtags"
-        "CMAKE_MODULE_LINKER_FLAGS=-Wl,--disable-new-dtags")
+    local settings=("${settings[@]}" CRUMPLE_DEVICE_TESTS=ON "CRUMPLE_CUBQL=$cubql")
     rm -rf "$build/wheel"
     if "$python" -c 'import venv' 2>/dev/null; then
         [[ $("$build/venv/bin/python" -V 2>/dev/null) == "$("$python" -V)" ]] || "$python" -m venv --clear "$build/venv"
@@ -73,11 +74,26 @@ build_programs() {
     ninja -C "$build" "${programs[@]}"
 }
 
+# Builds the benchmark of an earlier commit as $build/$earlier. Does so only once, since the commit does not change.
+build_earlier() {
+    local folder=$build/earlier
+    [[ ! -x $build/$earlier ]] || return 0
+    git -C "$top" cat-file -e "$earlier_commit" 2>/dev/null || { without "the earlier commit" "Git does not have it"; return 0; }
+    rm -rf "$folder"
+    mkdir -p "$folder/source"
+    git -C "$top" archive "$earlier_commit" | tar -C "$folder/source" -x
+    cmake -G Ninja -S "$folder/source" -B "$folder/build" -DCMAKE_BUILD_TYPE=Release -DCRUMPLE_TESTS=OFF -DCRUMPLE_CLI=OFF \
+        -DCRUMPLE_EXAMPLES=OFF "${settings[@]/#/-D}" >/dev/null
+    ninja -C "$folder/build" benchmarks/crumple_cuda_benchmark
+    cp "$folder/build/benchmarks/crumple_cuda_benchmark" "$build/$earlier"
+}
+
 # Fills $tree with the pack's content. Stores the wheel without compression, so that the compression of the pack can make use
 # of the code that the wheel and the programs have in common.
 fill_tree() {
     local file
     mkdir -p "$tree/bin" "$tree/lib"
+    [[ ! -x $build/$earlier ]] || strip -o "$tree/bin/$earlier" "$build/$earlier"
     for file in "${programs[@]}"; do strip -o "$tree/bin/${file##*/}" "$build/$file"; done
     for file in "$build"/wheel/*.whl; do
         [[ ! -f $file ]] || python3 - "$file" "$tree/${file##*/}" <<'END'
@@ -108,6 +124,7 @@ trap 'rm -rf "$tree"' EXIT
 mkdir -p "$build" "${pack%/*}"
 find_cubql
 build_programs
+build_earlier
 fill_tree
 # The programs have most of their code in common. xz stores it once if its dictionary is as large as all programs together.
 tar -C "$tree" --sort=name -c . | xz -T1 --lzma2=preset=9e,dict=256MiB >"$pack.part"

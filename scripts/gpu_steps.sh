@@ -126,12 +126,44 @@ print("remark:", "; ".join(f"{row['scene']} {row['device']['median']:.3f} ms, cp
 END
     return "$status"
 }
+# Measures some scenes and steps by the benchmarks of this and of the earlier commit, one after the other, and prints the
+# ratio of their times on the device. Goals: see docs/cuda.md.
+compare_with_earlier_commit() {
+    local program
+    [[ -x $bin/$earlier ]] || leave_out "built without the earlier commit"
+    for program in "$earlier" crumple_cuda_benchmark; do
+        # shellcheck disable=SC2046,SC2086
+        "$bin/$program" --largest 0 --worlds 0 $(printf ' --scene %s' $scenes) $(printf ' --step %s' $steps) \
+            ${frames:---frames 60} --json "$work/$program.json"
+    done
+    python3 - "$work" "$earlier" "$out/ratios.json" <<'END'
+import json, sys
+from pathlib import Path
+folder, earlier, out = sys.argv[1:]
+GOALS = {("cloth_ball92", "intersections"): 0.57, ("227", "intersections"): 0.69, ("balls16_18", "intersections"): 0.66,
+         ("unc_cloth_ball", "impacts"): 0.63, ("unc_n_body", "candidates"): 0.13}
+def times(program):
+    figures = json.loads(Path(folder, program + ".json").read_text())
+    rows = [((row["scene"], "intersections"), row) for row in figures["scenes"]]
+    rows += [((row["step"], row["question"]), row) for row in figures["steps"]]
+    return {name: row["device"]["median"] for name, row in rows}
+before, after = times(earlier), times("crumple_cuda_benchmark")
+rows = [{"scene": name[0], "query": name[1], "earlier": before[name], "now": after[name], "ratio": after[name] / before[name],
+         "goal": GOALS.get(name)} for name in after if name in before]
+Path(out).write_text(json.dumps({"unit": "milliseconds on the device, medians", "rows": rows}, indent=1) + "\n")
+for row in rows:
+    print("{scene} {query}: {now:.3f} / {earlier:.3f} ms = {ratio:.3f}".format(**row), f"(goal {row['goal']})" if row["goal"] else "")
+shown = [row for row in rows if row["goal"]] or rows
+print("remark:", "; ".join(f"{row['scene']} {row['query']} {row['ratio']:.2f}" + (f" (goal {row['goal']})" if row["goal"] else "")
+                           for row in shown))
+END
+}
 run_rival() {
     local program=$bin/${rival##*/}
     [[ -x $program ]] || leave_out "built without cuBQL"
     # shellcheck disable=SC2086
     "$program" $scenes | tee "$log.rows"
-    { echo '['; sed '$!s/$/,/' "$log.rows"; echo ']'; } >"$out/cuda_rival.json"
+    { echo '{"unit": "milliseconds", "scenes": ['; sed '$!s/$/,/' "$log.rows"; echo ']}'; } >"$out/cubql.json"
     remark "$(sed -E 's/.*"scene": "([^"]*)".*"median": ([0-9.]*).*/\1 \2 ms/' "$log.rows" | paste -sd';'), boxes only"
 }
 

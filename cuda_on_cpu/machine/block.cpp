@@ -37,6 +37,19 @@ constexpr unsigned char canary = 0xC5;
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 bool same(const char* a, const char* b) { return a == b || std::strcmp(a, b) == 0; }
+/// Turns counting off for its lifetime.
+class Uncounted {
+   public:
+    explicit Uncounted(bool& counting) : counting_(counting), before_(std::exchange(counting, false)) {}
+    Uncounted(const Uncounted&) = delete;
+    Uncounted& operator=(const Uncounted&) = delete;
+    ~Uncounted() { counting_ = before_; }
+
+   private:
+    bool& counting_;
+    bool before_;
+};
+
 bool same(const Site& a, const Site& b) { return a.line == b.line && same(a.what, b.what) && same(a.file, b.file); }
 
 }  // namespace
@@ -88,6 +101,7 @@ Block::Block() : random_(settings().seed) {
     caller_ = new Fiber;
     warps_ = new Warp[most_threads / warp_size];
     barrier_ = new Meeting;
+    counts_ = new BlockCounts;
 }
 
 Block::~Block() {
@@ -102,6 +116,7 @@ Block::~Block() {
     delete[] contributions_;
     delete[] warps_;
     delete barrier_;
+    delete counts_;
     allow(arena_, arena_bytes);
     munmap(arena_, arena_bytes + page);
 }
@@ -109,7 +124,7 @@ Block::~Block() {
 uint3 Block::thread() const { return lanes_[rank_]->thread.index; }
 unsigned Block::next_use() { return lanes_[rank_]->thread.uses++; }
 
-void Block::run(const Kernel& kernel, LaunchEdges& edges, uint3 index) {
+void Block::run(const Kernel& kernel, LaunchEdges& edges, uint3 index, LaunchCounts* counts) {
     kernel_ = &kernel;
     edges_ = &edges;
     index_ = blockIdx = index;
@@ -121,8 +136,12 @@ void Block::run(const Kernel& kernel, LaunchEdges& edges, uint3 index) {
     last_ = this;
     prepare_shared();
     prepare_lanes(kernel);
+    if (counts) counts_->begin(*counts, size_);
+    counting_ = counts != nullptr;
     caller_->switch_to(next(false));  // and back when no thread can run
+    counting_ = false;
     if (alive_) stuck();
+    if (counts) counts_->end();
     check_shared();
 }
 
@@ -249,6 +268,18 @@ unsigned Block::pick() {
     return rank;
 }
 
+void Block::note_atomic(const void* address, const char* file, int line) {
+    const auto* byte = static_cast<const std::byte*>(address);
+    const bool shared = byte >= shared_ && byte < shared_ + shared_bytes_;
+    if (counting_) counts_->atomic(rank_, address, shared, file, line);
+}
+
+/// Counts a meeting of the lanes of a warp. Lanes that have exited count as present, so that their last steps coincide
+/// with those of the others.
+void Block::note_meeting(unsigned warp, std::uint32_t lanes) {
+    if (counting_) counts_->meet(warp, lanes | warps_[warp].exited);
+}
+
 /// Body of a fiber: runs one CUDA thread after another.
 Fiber& Block::live(void* argument) {
     Lane& lane = *static_cast<Lane*>(argument);
@@ -322,8 +353,10 @@ void Block::meet(const Site& site, bool fence, void* contribution, Combine combi
     char* const edge = &meeting.edges[meeting.phase % 2];
     if (fence) release_edge(edge);
     if (++meeting.count == size_) {
+        for (unsigned w = 0; w * warp_size < size_; ++w) note_meeting(w, ~0u);
         if (combine) {
             const Untracked untracked;
+            const Uncounted uncounted(counting_);
             combine(context, contributions_);
         }
         meeting.count = 0;
@@ -381,8 +414,10 @@ void Block::meet_in_warp(const Site& site, std::uint32_t mask, bool fence, void*
     if (fence) release_edge(edge);
     meeting.arrived |= 1u << rank_ % warp_size;
     if (meeting.arrived == mask) {
+        note_meeting(rank_ / warp_size, mask);
         if (combine) {
             const Untracked untracked;
+            const Uncounted uncounted(counting_);
             combine(context, contributions_ + first);
         }
         warp.open &= ~(1u << (&meeting - warp.meetings));

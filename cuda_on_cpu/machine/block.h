@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "cuda_on_cpu/machine/counts.h"
 #include "cuda_on_cpu/machine/kernel.h"
 #include "cuda_on_cpu/machine/random.h"
 #include "cuda_on_cpu/machine/report.h"
@@ -46,8 +47,9 @@ class Block {
     Block(const Block&) = delete;
     Block& operator=(const Block&) = delete;
 
-    /// Runs one block of the launch from begin to end, on the OS thread that constructed this object.
-    void run(const Kernel& kernel, LaunchEdges& edges, uint3 index);
+    /// Runs one block of the launch from begin to end, on the OS thread that constructed this object. `counts`: sums of
+    /// the launch's work, null if it is not counted.
+    void run(const Kernel& kernel, LaunchEdges& edges, uint3 index, LaunchCounts* counts);
 
     /// Returns the block whose thread runs on this OS thread; null on the host.
     static Block* running() { return last_ && last_->inside_ ? last_ : nullptr; }
@@ -79,6 +81,12 @@ class Block {
     unsigned next_use();
     Random& random() { return random_; }
 
+    /// Note a step and an atomic of the running thread, if the launch is counted (counts.h).
+    void note_step(const void* place) {
+        if (counting_) counts_->step(rank_, place);
+    }
+    void note_atomic(const void* address, const char* file, int line);
+
     /// True if `address` lies in the guard page of the running thread's stack.
     bool in_stack_guard(const void* address) const;
     bool in_shared_guard(const void* address) const;
@@ -93,6 +101,7 @@ class Block {
     void prepare_lanes(const Kernel& kernel);
     void prepare_shared();
     void check_shared() const;
+    void note_meeting(unsigned warp, std::uint32_t lanes);
     unsigned pick();
     unsigned next_ready(unsigned rank) const;
     void wake_all();
@@ -113,6 +122,8 @@ class Block {
     uint3 index_{};
     unsigned size_ = 0, alive_ = 0, rank_ = 0;
     bool inside_ = false;
+    bool counting_ = false;  ///< false inside meetings
+    BlockCounts* counts_ = nullptr;
     Order order_ = Order::forward;
 
     Fiber* caller_ = nullptr;  ///< fiber that called run()

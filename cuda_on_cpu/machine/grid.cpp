@@ -25,6 +25,7 @@ struct Launch {
     std::uint64_t blocks, first, stride;
     std::atomic<std::uint64_t> next{0};
     LaunchEdges edges;
+    std::unique_ptr<LaunchCounts> counts;
 
     uint3 block(std::uint64_t number) const {
         const dim3& grid = kernel->grid;
@@ -58,7 +59,7 @@ class Worker {
             Launch* launch = launch_.load();
             if (!launch) return;
             for (std::uint64_t number; (number = launch->next.fetch_add(1)) < launch->blocks;)
-                block.run(*launch->kernel, launch->edges, launch->block(number));
+                block.run(*launch->kernel, launch->edges, launch->block(number), launch->counts.get());
             if (busy_.fetch_sub(1) == 1) busy_.notify_one();
         }
     }
@@ -80,6 +81,8 @@ class Workers {
         launch.kernel = &kernel;
         launch.blocks = std::uint64_t{kernel.grid.x} * kernel.grid.y * kernel.grid.z;
         choose_walk(launch);
+        const unsigned threads = kernel.block.x * kernel.block.y * kernel.block.z;
+        launch.counts = counts_of_launch(kernel.function, launch.blocks * ((threads + warp_size - 1) / warp_size));
         const auto used = static_cast<unsigned>(std::min<std::uint64_t>(launch.blocks, all_.size()));
         busy_ = used;
         release_edge(&launch.edges.begin);
@@ -89,6 +92,7 @@ class Workers {
         }
         for (unsigned left; (left = busy_.load()) != 0;) busy_.wait(left);
         acquire_edge(&launch.edges.end);
+        if (launch.counts) finish(*launch.counts);
     }
 
    private:

@@ -41,12 +41,16 @@ Settings from_environment() {
         {"forward", Order::forward}, {"reverse", Order::reverse}, {"random", Order::random}};
     constexpr Name<Progress> ways[] = {
         {"lazy", Progress::lazy}, {"eager", Progress::eager}, {"random", Progress::random}};
+    constexpr Name<bool> switches[] = {{"0", false}, {"1", true}};
     Settings result;
     read("CUDA_ON_CPU_ORDER", orders, result.order);
     read("CUDA_ON_CPU_PROGRESS", ways, result.progress);
     read("CUDA_ON_CPU_SEED", result.seed);
     read("CUDA_ON_CPU_WORKERS", result.workers);
     read("CUDA_ON_CPU_DEVICES", result.devices);
+    read("CUDA_ON_CPU_MULTIPROCESSORS", result.multiprocessors);
+    if (result.multiprocessors < 1) fail("CUDA_ON_CPU_MULTIPROCESSORS must be at least 1");
+    read("CUDA_ON_CPU_COUNTS", switches, result.counts);
     return result;
 }
 

@@ -50,6 +50,8 @@ struct Settings {
     /// Error that every call that needs the device returns, such as the error that a failed kernel leaves behind for
     /// good.
     cudaError_t broken = cudaSuccess;
+    /// True if the work of kernels is counted while a profiler would record (counts.h), and printed on stderr.
+    bool counts = false;
     /// Called for each launch, unless empty. It either runs the launch in place of the kernel's C++ and returns true,
     /// or does nothing and returns false.
     std::function<bool(const Kernel&)> run_instead;
@@ -57,8 +59,9 @@ struct Settings {
     double spin_seconds = 20;
 };
 
-/// Returns the settings in force. The first call reads CUDA_ON_CPU_ORDER, _PROGRESS, _SEED, _WORKERS and _DEVICES from
-/// the environment; an invalid value ends the process. Change settings only while no work is pending.
+/// Returns the settings in force. The first call reads CUDA_ON_CPU_ORDER, _PROGRESS, _SEED, _WORKERS, _DEVICES,
+/// _MULTIPROCESSORS and _COUNTS from the environment; an invalid value ends the process. Change settings only while no
+/// work is pending.
 Settings& settings();
 
 /// Returns the number of workers after the default is resolved, at least 1.

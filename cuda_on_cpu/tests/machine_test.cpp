@@ -183,12 +183,13 @@ TEST_F(Machine, kernels_round_to_nearest_in_any_mode_of_the_host) {
 }
 
 TEST_F(Machine, invalid_setting_is_an_error) {
-    EXPECT_DEATH(
-        {
-            setenv("CUDA_ON_CPU_ORDER", "sideways", 1);
-            execl("/proc/self/exe", "cuda_on_cpu_test", "--gtest_filter=Barrier.*", nullptr);
-        },
-        "CUDA_ON_CPU_ORDER=sideways is not supported");
+    const auto run_with = [](const char* variable, const char* value) {
+        setenv(variable, value, 1);
+        execl("/proc/self/exe", "cuda_on_cpu_test", "--gtest_filter=Barrier.*", nullptr);
+    };
+    EXPECT_DEATH(run_with("CUDA_ON_CPU_ORDER", "sideways"), "CUDA_ON_CPU_ORDER=sideways is not supported");
+    EXPECT_DEATH(run_with("CUDA_ON_CPU_COUNTS", "yes"), "CUDA_ON_CPU_COUNTS=yes is not supported");
+    EXPECT_DEATH(run_with("CUDA_ON_CPU_MULTIPROCESSORS", "0"), "CUDA_ON_CPU_MULTIPROCESSORS must be at least 1");
 }
 
 TEST_F(Machine, barriers_and_warp_functions_outside_of_a_launch_abort) {

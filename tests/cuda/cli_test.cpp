@@ -70,6 +70,12 @@ TEST_F(CudaCli, detect_accepts_several_devices_and_rejects_one_device_twice) {
     EXPECT_EQ(crumple("detect five.off --backend cpu --device 0,1").status, 2);
 }
 
+TEST_F(CudaCli, threads_can_be_set_for_what_the_host_computes) {
+    const Outcome outcome = crumple("detect five.off --backend cuda --threads 2");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, five_pairs);
+}
+
 TEST_F(CudaCli, info_lists_devices) {
     const Outcome two = shell("CUDA_ON_CPU_DEVICES=2 $crumple info --devices");
     EXPECT_EQ(two.status, 0);

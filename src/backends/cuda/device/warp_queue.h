@@ -44,6 +44,22 @@ class WarpQueue {
     unsigned lane_, size_ = 0;  // the size is the same in all lanes
 };
 
+/// Distributes the elements that still wait in the queues of a block's warps to its threads, so that full warps process
+/// them: thread i gets the i-th of all. Returns false in threads that get none. All threads of the block call it
+/// together, as the last user of the queues; each queue has at most 31 elements. `sizes`: shared memory, one element
+/// per warp. `places(w)`: the places of warp w.
+template <class T, class Places>
+__device__ bool distribute_rest(const WarpQueue<T>& queue, unsigned* sizes, Places places, T& element) {
+    const unsigned warps = blockDim.x / 32;
+    if (threadIdx.x % 32 == 0) sizes[threadIdx.x / 32] = queue.size();
+    __syncthreads();
+    unsigned i = threadIdx.x, warp = 0;
+    while (warp < warps && i >= sizes[warp]) i -= sizes[warp++];
+    if (warp == warps) return false;
+    element = places(warp)[i];
+    return true;
+}
+
 /// Queue of elements for a list, which are appended `at_once` or more at a time, because a device serialises atomics on
 /// one address, at about one per nanosecond. All lanes of the warp call its functions together.
 template <class T, unsigned at_once>
@@ -54,7 +70,6 @@ class ListQueue {
     __device__ ListQueue(T* places, const List<T>& list) : places_(places), list_(list), lane_(threadIdx.x % 32) {}
 
     __device__ unsigned size() const { return size_; }
-    __device__ const List<T>& list() const { return list_; }
 
     /// Adds the elements of the lanes that pass true.
     __device__ void add(bool wants, const T& element) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "backends/cuda/device/block_counter.h"
+#include "backends/cuda/device/warp_queue.h"
 #include "backends/cuda/features/feature_decisions.h"
 #include "filters/features/codimensional_tests.h"
 #include "filters/features/feature_filters.h"
@@ -58,12 +60,19 @@ struct TestFilter {
     }
 };
 
+/// Tests of one kind in shared memory: those that wait for the filter, and those that it has kept.
+struct TestPlaces {
+    using Kept = ListQueue<FeatureTest, 64>;
+    FeatureTest waiting[64];
+    Kept::Places kept;
+};
+
 /// Queue of tests of one kind, which a warp filters 32 at a time.
 template <FeatureKind kind, int moments>
 class TestQueue {
    public:
-    __device__ TestQueue(FeatureTest* waiting, const TestFilter<moments>& filter, const List<FeatureTest>& list)
-        : waiting_(waiting), filter_(filter), list_(list), lane_(threadIdx.x % 32) {}
+    __device__ TestQueue(TestPlaces& places, const TestFilter<moments>& filter, const List<FeatureTest>& list)
+        : waiting_(places.waiting), filter_(filter), list_(list), kept_(places.kept, list), lane_(threadIdx.x % 32) {}
 
     /// Queues the tests whose bits the lane passes; with `last`, also filters all tests that wait. All lanes of a warp
     /// call it together. Kernels call it from a single place for each queue, because its code is long.
@@ -83,6 +92,8 @@ class TestQueue {
             if (count_ >= 32 || !having) test();
         }
     }
+    /// Lists the last tests that the filter has kept. All threads of the block call it together.
+    __device__ void list_rest(BlockShared& shared) { kept_.write(reserve_by_block(kept_.size(), list_.count, shared)); }
     __device__ unsigned long long listed() const { return listed_; }
 
    private:
@@ -96,29 +107,32 @@ class TestQueue {
             test = waiting_[count_ + lane_];
             keep = filter_.template keeps<kind>(test);
         }
-        const unsigned long long place = append(keep, list_.count);
-        if (keep && place < list_.capacity) list_.data[place] = test;
-        __syncwarp();
+        kept_.add(keep, test);
     }
 
     FeatureTest* waiting_;
     const TestFilter<moments>& filter_;
-    List<FeatureTest> list_;
+    const List<FeatureTest>& list_;
+    TestPlaces::Kept kept_;
     unsigned lane_, count_ = 0;
     unsigned long long listed_ = 0;
 };
 
 template <int threads>
 struct ListShared {
-    FeatureTest waiting[threads / 32][2][64];
+    struct Warp {
+        TestPlaces vertex_face, edge_edge;
+    } warp[threads / 32];
+    BlockShared block;
 };
 
 template <int threads, int moments>
 __global__ void __launch_bounds__(threads) list_kernel(FeatureSurvivors<moments> survivors, TestFilter<moments> filter,
                                                        TestLists tests, FeatureHits hits, unsigned long long* listed) {
-    auto& waiting = dynamic_shared<ListShared<threads>>().waiting[threadIdx.x / 32];
-    TestQueue<FeatureKind::vertex_face, moments> vertex_face(waiting[0], filter, tests.of[0]);
-    TestQueue<FeatureKind::edge_edge, moments> edge_edge(waiting[1], filter, tests.of[1]);
+    auto& shared = dynamic_shared<ListShared<threads>>();
+    auto& own = shared.warp[threadIdx.x / 32];
+    TestQueue<FeatureKind::vertex_face, moments> vertex_face(own.vertex_face, filter, tests.of[0]);
+    TestQueue<FeatureKind::edge_edge, moments> edge_edge(own.edge_edge, filter, tests.of[1]);
     const unsigned long long n = survivors.list.filled(), warps_end = (n + 31) / 32 * 32;
     bool last = false;
     for (unsigned long long i = grid_thread(); !last; i += grid_stride()) {
@@ -133,8 +147,9 @@ __global__ void __launch_bounds__(threads) list_kernel(FeatureSurvivors<moments>
         vertex_face.add(a, b, of_pair.vertex_face, last);
         edge_edge.add(a, b, of_pair.edge_edge, last);
     }
-    const unsigned long long all = vertex_face.listed() + edge_edge.listed();
-    if (threadIdx.x % 32 == 0 && all) atomicAdd(listed, all);
+    vertex_face.list_rest(shared.block);
+    edge_edge.list_rest(shared.block);
+    add_by_block(threadIdx.x % 32 == 0 ? vertex_face.listed() + edge_edge.listed() : 0, listed, shared.block);
 }
 
 // Lists tests of all kinds, for scenes with codimensional edges and points. Each thread keeps its tests on its stack,
@@ -318,10 +333,13 @@ void list_tests(const Geometry& geometry, cudaStream_t stream, const FeatureSurv
     const auto list = [&]<int threads>() {
         constexpr auto kernel = list_kernel<threads, moments>;
         constexpr std::size_t shared = sizeof(ListShared<threads>);
-        const unsigned blocks = std::min(geometry.blocks(survivors.list.capacity), geometry.fitting(kernel, shared));
+        Geometry own = geometry;
+        own.threads = threads;
+        const unsigned blocks = std::min(own.blocks(survivors.list.capacity), own.fitting(kernel, shared));
         Launch{stream, blocks, threads, shared}(kernel, survivors, filter, tests, hits, &counters->listed);
     };
-    geometry.threads == 64 ? list.template operator()<64>() : list.template operator()<256>();
+    // 256 threads would need more than 48 KiB of shared memory.
+    geometry.threads == 64 ? list.template operator()<64>() : list.template operator()<128>();
 }
 template void list_tests(const Geometry&, cudaStream_t, const FeatureSurvivors<1>&, const PointRows&, std::int32_t,
                          const FeatureConditions&, bool, const TestLists&, const FeatureHits&, Counters*);

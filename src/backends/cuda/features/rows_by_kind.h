@@ -69,8 +69,9 @@ struct RowsByKind : RowsOfOutput {
         batch.add(offsets, (firsts.all() + 1) * sizeof *offsets);
         batch.add(tiles, offset_tiles(firsts.all()) * sizeof *tiles);
     }
+    __device__ void flag_first(std::int32_t) const {}
     template <class Key>
-    __device__ void set_flags(std::size_t, Key) const {}
+    __device__ void flag_second(Key) const {}
 };
 
 /// First row of each kind's list among all rows; and the end.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "backends/cuda/device/block_counter.h"
 #include "backends/cuda/device/warp_queue.h"
 #include "exact/intersection/intersection_decision.h"
 #include "filters/intersection/pair_filters.h"
@@ -10,8 +11,11 @@ namespace crumple::cuda {
 namespace {
 
 // Records the lane's pair if it collides; `a` must be less than `b`. `second`: number of triangles of the first of two
-// meshes, else 0. All lanes of a warp call it together.
-__device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t b, std::int32_t second) {
+// meshes, else 0. `reserve(is_hit)` reserves places for the hits in the list, like append(). All lanes of a warp call
+// it together.
+template <class Reserve>
+__device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t b, std::int32_t second,
+                    Reserve reserve) {
     if (hits.mode == Hits::Mode::any) return tally(is_hit, hits.list.count);
     unsigned long long rank = 0;
     if (is_hit) rank = atomicAdd(&hits.by_first[a], 1ull);
@@ -19,9 +23,13 @@ __device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t 
         if (is_hit) hits.bucketed[rank] = {a, b - second};
         return;
     }
-    const unsigned long long place = append(is_hit, hits.list.count);
+    const unsigned long long place = reserve(is_hit);
     if (is_hit && hits.mode == Hits::Mode::list && place < hits.list.capacity)
         hits.list.data[place] = {a, b, static_cast<std::uint32_t>(rank)};
+}
+
+__device__ void add(const Hits& hits, bool is_hit, std::int32_t a, std::int32_t b, std::int32_t second) {
+    add(hits, is_hit, a, b, second, [&](bool hit) { return append(hit, hits.list.count); });
 }
 
 // Records a candidate if it is a hit; only counts it, by world, in Hits::Mode::by_world.
@@ -51,17 +59,22 @@ struct FilterShared {
     struct Warp {
         WarpQueue<Candidate>::Places open, found;
     } warp[threads / 32];
+    unsigned sizes[2][threads / 32];
+    BlockShared block;
 };
 
 // Runs the filters in float32, then in float64. Few pairs need float64, and few collide: both are queued until there is
-// one for each lane. Hits are not queued if one hit ends the work.
+// one for each lane. At the end the warps of a block put together what their queues still have, because otherwise each
+// warp would run the filters in float64 for a few lanes. Hits are not queued if one hit ends the work.
 template <int threads>
 __global__ void __launch_bounds__(threads, 768 / threads)
     filter_kernel(PreparedScene scene, Sorted sorted, RecordRows records, PointRows points, Frames frames,
                   NarrowPolicy policy, List<Candidate> survivors, List<Candidate> undecided, Hits hits,
                   unsigned long long* doubles) {
-    auto& shared = dynamic_shared<FilterShared<threads>>().warp[threadIdx.x / 32];
-    WarpQueue<Candidate> open(shared.open), found(shared.found);
+    auto& shared = dynamic_shared<FilterShared<threads>>();
+    auto& own = shared.warp[threadIdx.x / 32];
+    WarpQueue<Candidate> open(own.open), found(own.found);
+    unsigned long long double_tests = 0;
     const unsigned lane = threadIdx.x % 32;
     const bool waits = hits.mode != Hits::Mode::any && hits.mode != Hits::Mode::by_world;
     const auto in_float = [&](const Candidate& c) {
@@ -80,25 +93,40 @@ __global__ void __launch_bounds__(threads, 768 / threads)
         const bool has = lane < found.take(c);
         add(hits, has, has ? pair_of(sorted, c) : Pair{}, second_of(scene), sorted, c);
     };
-    const auto decide_open = [&] {
-        Candidate c{};
-        const unsigned taken = open.take(c);
-        const bool left = lane < taken && !apart_in_double(c);
+    const auto open_of = [&](unsigned warp) { return shared.warp[warp].open; };
+    const auto found_of = [&](unsigned warp) { return shared.warp[warp].found; };
+    const auto decide_in_double = [&](bool has, const Candidate& c) {
+        const bool left = has && !apart_in_double(c);
         const unsigned long long place = append(left, undecided.count);
         if (left && place < undecided.capacity) undecided.data[place] = c;
-        if (lane == 0) atomicAdd(doubles, static_cast<unsigned long long>(taken));
+        double_tests += has;
     };
     const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
-    for (unsigned long long i = grid_thread(); i < warps_end && !has_ended(hits.end()); i += grid_stride()) {
-        const Candidate c = i < n ? survivors.data[i] : Candidate{};
-        const Verdict verdict = i < n ? in_float(c) : Verdict::apart;
-        found.add(verdict == Verdict::collides, c);
-        open.add(verdict == Verdict::undecided, c);
-        if (found.size() >= 32 || (found.size() && !waits)) add_found();
-        if (open.size() >= 32) decide_open();
+    bool more = true;
+    for (unsigned long long i = grid_thread(); more; i += grid_stride()) {
+        more = i < warps_end && !has_ended(hits.end());
+        if (more) {
+            const Candidate c = i < n ? survivors.data[i] : Candidate{};
+            const Verdict verdict = i < n ? in_float(c) : Verdict::apart;
+            found.add(verdict == Verdict::collides, c);
+            open.add(verdict == Verdict::undecided, c);
+            if (found.size() >= 32 || (found.size() && !waits)) add_found();
+            if (open.size() < 32) continue;
+        }
+        Candidate c{};
+        const bool has = more ? lane < open.take(c) : distribute_rest(open, shared.sizes[0], open_of, c);
+        decide_in_double(has, c);
     }
-    while (found.size()) add_found();
-    while (open.size()) decide_open();
+    add_by_block(double_tests, doubles, shared.block);
+    if (!waits) return;
+    Candidate c{};
+    const bool has = distribute_rest(found, shared.sizes[1], found_of, c);
+    const Pair pair = has ? pair_of(sorted, c) : Pair{};
+    add(hits, has, pair.a, pair.b, second_of(scene), [&](bool hit) {
+        const unsigned hitting = __ballot_sync(whole_warp, hit);
+        return reserve_by_block(static_cast<unsigned>(__popc(hitting)), hits.list.count, shared.block) +
+               static_cast<unsigned>(__popc(hitting & ((1u << lane) - 1)));
+    });
 }
 
 // Makes the exact decision, with expansions if necessary. Few pairs come here, so registers and stack do not matter.

@@ -63,10 +63,8 @@ struct OutputArrays : RowsOfOutput {
     __device__ Key key(unsigned long long i) const { return bucketed[i].second; }
     __device__ TwoKeys<Key> two_keys(unsigned long long i) const { return keys_of(bucketed, i); }
     __device__ void set_key(unsigned long long i, Key key) const { bucketed[i].second = key; }
-    __device__ void set_flags(std::size_t a, Key b) const {
-        set_flag(hit, a);
-        set_flag(hit_second, static_cast<std::size_t>(b));
-    }
+    __device__ void flag_first(std::int32_t a) const { set_flag(hit, static_cast<std::size_t>(a)); }
+    __device__ void flag_second(Key b) const { set_flag(hit_second, static_cast<std::size_t>(b)); }
     __device__ void write(unsigned long long place, std::int32_t a, Key b) const { pairs[place] = {a, b}; }
 };
 

@@ -6,7 +6,7 @@
 //     Key, key(i), set_key(i, key) sort key of pair i, unique in a row
 //     two_keys(i)                  key(i) and key(i + 1), where i is even
 //     first_of(i)                  first element of pair i
-//     set_flags(first, key)        called once for each pair
+//     flag_first(first), flag_second(key)  called at least once for the first element of each row, and for each pair
 //     write(place, first, key)     writes the pair to its place in the result
 
 #include <algorithm>
@@ -140,7 +140,8 @@ __global__ void order_kernel(std::size_t n, OutputArrays out, const Counters* co
         const auto count = static_cast<unsigned>(range.end - range.begin);
         for (unsigned i = threadIdx.x; i < count; i += blockDim.x) {
             shared.second[i] = out.key(range.begin + i);
-            out.set_flags(static_cast<std::size_t>(part.row), shared.second[i]);
+            out.flag_second(shared.second[i]);
+            if (i == 0) out.flag_first(part.row);
         }
         __syncthreads();
         sort_part(shared.second, count);
@@ -152,7 +153,8 @@ __global__ void order_kernel(std::size_t n, OutputArrays out, const Counters* co
         const unsigned long long begin = out.offsets[a], end = out.offsets[a + 1];
         if (end - begin > short_row) continue;
         const Key b = out.key(i);
-        out.set_flags(a, b);
+        out.flag_second(b);
+        if (i == begin) out.flag_first(static_cast<std::int32_t>(a));
         unsigned rank = 0;
         unsigned long long j = begin;
         if (j % 2 == 1) rank += out.key(j++) < b;

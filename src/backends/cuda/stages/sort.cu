@@ -1,5 +1,6 @@
 #include "backends/cuda/stages/sort.h"
 
+#include "backends/cuda/device/block_counter.h"
 #include "backends/cuda/stages/align.h"
 
 namespace crumple::cuda {
@@ -72,19 +73,21 @@ __global__ void bin_kernel(PreparedScene scene, Primitive primitive, const Row<T
     }
 }
 
-// Lists the units of each group of 32 rows. A group belongs to one warp and one leaf.
+// Lists the units of each group of 32 rows. A group belongs to one warp and one leaf. The warps of a block reserve
+// places for their units together, so they stay in the loop together.
 __global__ void unit_kernel(int leaves, Segments members_of, Sorted sorted, List<SweepUnit> units) {
     const unsigned lane = threadIdx.x % 32;
     const auto n = static_cast<std::size_t>(leaves);
-    for (unsigned long long row = grid_thread(); row < members_of.first[n]; row += grid_stride()) {
-        const auto rows_end = static_cast<std::uint32_t>(members_of.end(segment_of(row, members_of.first, n)));
+    const unsigned long long rows = members_of.first[n];
+    for (unsigned long long row = grid_thread(); row - threadIdx.x < rows; row += grid_stride()) {
+        const bool exists = row < rows;  // the same for all lanes: lists begin and end at multiples of 32
+        const auto rows_end =
+            exists ? static_cast<std::uint32_t>(members_of.end(segment_of(row, members_of.first, n))) : 0;
         std::uint32_t end = row < rows_end ? sorted.row[row].end : 0;
         for (int lanes = 16; lanes > 0; lanes /= 2) end = max(end, __shfl_xor_sync(whole_warp, end, lanes));
         const auto first = static_cast<std::uint32_t>(row) - lane, column = first + 1;
         const unsigned wanted = end > column ? (end - column + unit_columns - 1) / unit_columns : 0;
-        unsigned long long place = 0;
-        if (lane == 0 && wanted) place = atomicAdd(units.count, static_cast<unsigned long long>(wanted));
-        place = __shfl_sync(whole_warp, place, 0);
+        const unsigned long long place = reserve_by_block(wanted, units.count, dynamic_shared<BlockShared>());
         for (unsigned u = lane; u < wanted && place + u < units.capacity; u += 32) {
             const std::uint32_t begin = column + u * unit_columns;
             units.data[place + u] = {first, rows_end, begin, min(begin + unit_columns, end)};
@@ -122,7 +125,8 @@ template void bin_members(const Geometry&, cudaStream_t, const PreparedScene&, c
 
 void list_units(const Geometry& geometry, cudaStream_t stream, int leaves, const Segments& members_of,
                 std::size_t capacity, const Sorted& sorted, const List<SweepUnit>& units) {
-    Launch{stream, geometry.blocks(capacity), geometry.threads}(unit_kernel, leaves, members_of, sorted, units);
+    Launch{stream, geometry.blocks(capacity), geometry.threads, sizeof(BlockShared)}(unit_kernel, leaves, members_of,
+                                                                                     sorted, units);
 }
 
 }  // namespace crumple::cuda

@@ -3,6 +3,7 @@
 // Kernel of `sort` that places members and writes their records. Each kind of query includes this file and instantiates
 // sort_members() for its records.
 
+#include "backends/cuda/device/block_counter.h"
 #include "backends/cuda/stages/align.h"
 #include "backends/cuda/stages/sort.h"
 
@@ -39,8 +40,7 @@ __global__ void place_kernel(PreparedScene scene, const Row<T>* rows, int leaves
         sorted.leaf[row] = static_cast<std::uint16_t>(leaf);
         tests += end - row - 1;
     }
-    for (int lanes = 16; lanes > 0; lanes /= 2) tests += __shfl_xor_sync(whole_warp, tests, lanes);
-    if (tests && threadIdx.x % 32 == 0) atomicAdd(&counters->interval_tests, tests);
+    add_by_block(tests, &counters->interval_tests, dynamic_shared<BlockShared>());
 }
 
 }  // namespace detail
@@ -52,7 +52,7 @@ void sort_members(const Geometry& geometry, cudaStream_t stream, const PreparedS
                   const List<SweepUnit>& units, Counters* counters) {
     bin_members(geometry, stream, scene, primitive, points, leaves, members_of, members, frames, sorted);
     const auto place = [&](const auto* rows, auto kernel) {
-        Launch{stream, geometry.blocks(members.capacity), geometry.threads}(
+        Launch{stream, geometry.blocks(members.capacity), geometry.threads, sizeof(BlockShared)}(
             kernel, scene, rows, leaves, members_of, members, frames, ownership, sorted, primitive, records, counters);
     };
     if (points.f)

@@ -6,6 +6,7 @@
 
 #include <cub/block/block_scan.cuh>
 
+#include "backends/cuda/device/block_counter.h"
 #include "backends/cuda/stages/align.h"
 
 namespace crumple::cuda {
@@ -127,6 +128,7 @@ struct MembersShared {
     Row<float> centre[max_fan_out];
     float bisector[max_fan_out][max_fan_out + 1];  // bisector_radius_factor(); one more column to avoid bank conflicts
     unsigned count[max_fan_out];
+    BlockShared block;
     unsigned long long place[max_fan_out];
     Row<float> origin[max_fan_out];  // origin and, as `unused`, LeafFrame::big of the children's frames
     unsigned reach[max_fan_out];
@@ -183,6 +185,7 @@ __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t lis
             atomicAdd(&shared.count[__ffsll(static_cast<long long>(left)) - 1], 1u);
     }
     __syncthreads();
+    unsigned long long own_members = 0;
     for (unsigned k = threadIdx.x; k < fan_out; k += blockDim.x) {
         const unsigned long long count = shared.count[k];
         if (!count) continue;
@@ -191,10 +194,10 @@ __global__ void members_kernel(Level level, const Ball* balls, std::uint64_t lis
         const unsigned long long before = atomicAdd(&level.members_of.count[first_child + k], count);
         shared.place[k] = begin + before;
         shared.count[k] = 0;
-        atomicAdd(total, count);
+        own_members += count;
         if (before + count > buffer) atomicAdd(unplaced, before < buffer ? before + count - buffer : count);
     }
-    __syncthreads();
+    add_by_block(own_members, total, shared.block);  // also a barrier for shared.place
     for (unsigned long long i = items.begin + grid_thread(); i < items.end; i += grid_stride()) {
         for (std::uint64_t left = level.mask[i] & listed; left; left &= left - 1) {
             const int k = __ffsll(static_cast<long long>(left)) - 1;

@@ -10,6 +10,7 @@
 // tests that gather from memory. Survivors wait in a second queue until there are enough to append them to the list
 // with one atomic.
 
+#include "backends/cuda/device/block_counter.h"
 #include "backends/cuda/device/warp_queue.h"
 #include "backends/cuda/stages/sweep.h"
 
@@ -28,9 +29,8 @@ struct WarpShared {
 template <int threads, class Filter>
 struct SweepShared {
     WarpShared<Filter> warp[threads / 32];
-    unsigned survivors[threads / 32];
-    unsigned taken;                      // units that the block's warps have taken
-    unsigned long long overlaps, place;  // box overlaps of the block; place of its remaining survivors in the list
+    unsigned taken;  // units that the block's warps have taken
+    BlockShared block;
 };
 
 // Returns true if the boxes of a column and of an earlier row overlap, and no conflict bit (SortedRow) is set in both.
@@ -107,28 +107,6 @@ struct Sweep {
     }
 };
 
-// Lists the survivors that the warps of a block still have, with one atomic per block: all blocks end at about the same
-// time, and atomics on one address are serialised.
-template <int threads, class Filter>
-__device__ void list_rest(SweepShared<threads, Filter>& shared, Sweep<Filter>& sweep, Counters* counters) {
-    const unsigned warp = threadIdx.x / 32;
-    if (sweep.lane == 0) {
-        shared.survivors[warp] = sweep.survivors.size();
-        atomicAdd(&shared.overlaps, sweep.overlaps);
-    }
-    __syncthreads();
-    if (threadIdx.x == 0) {
-        unsigned sum = 0;
-        for (const unsigned survivors : shared.survivors) sum += survivors;
-        if (sum) shared.place = atomicAdd(sweep.survivors.list().count, static_cast<unsigned long long>(sum));
-        if (shared.overlaps) atomicAdd(&counters->box_overlaps, shared.overlaps);
-    }
-    __syncthreads();
-    unsigned long long place = shared.place;
-    for (unsigned w = 0; w < warp; ++w) place += shared.survivors[w];
-    sweep.survivors.write(place);
-}
-
 template <int threads, class Filter>
 __global__ void __launch_bounds__(threads)
     sweep_kernel(PreparedScene scene, Sorted sorted, List<SweepUnit> units, Ownership ownership, PairSelection wanted,
@@ -136,7 +114,7 @@ __global__ void __launch_bounds__(threads)
     auto& shared = dynamic_shared<SweepShared<threads, Filter>>();
     WarpShared<Filter>& own = shared.warp[threadIdx.x / 32];
     Sweep<Filter> sweep{scene, sorted, ownership, wanted, filter, own, SurvivorQueue(own.survivors, list)};
-    if (threadIdx.x == 0) shared.taken = 0, shared.overlaps = 0, shared.place = 0;
+    if (threadIdx.x == 0) shared.taken = 0;
     __syncthreads();
     const unsigned long long all = (units.filled() + slice.step - 1) / slice.step;
     const unsigned long long begin = all * slice.turn / slice.turns,
@@ -151,7 +129,9 @@ __global__ void __launch_bounds__(threads)
         if (!slice.decided.count || !has_ended(slice.decided.of(sorted.leaf[unit.row]))) sweep.sweep(unit);
     }
     while (sweep.candidates.size()) sweep.test_candidates();
-    list_rest(shared, sweep, counters);
+    // One atomic for the block, not one for each warp, because all blocks end at about the same time.
+    sweep.survivors.write(reserve_by_block(sweep.survivors.size(), list.count, shared.block));
+    add_by_block(sweep.lane == 0 ? sweep.overlaps : 0, &counters->box_overlaps, shared.block);
 }
 
 }  // namespace detail
