@@ -1,6 +1,6 @@
 // Settings of the emulated device in tests of the cuda backend: one multiprocessor, so that each call starts few
-// threads, unless CUDA_ON_CPU_MULTIPROCESSORS sets another number; and all sums over overlaps on the device. The variable
-// CUDA_BLOCK_THREADS (64 or 256) sets the number of threads per block.
+// threads, unless CUDA_ON_CPU_MULTIPROCESSORS sets another number; and all sums over overlaps on the device. The
+// variable CUDA_BLOCK_THREADS (64 or 256) sets the number of threads per block.
 
 #include <cstddef>
 #include <cstdlib>
