@@ -84,7 +84,7 @@ cudaError_t get_attributes(cudaFuncAttributes& attributes, const void* kernel) {
         if (!kernel) return cudaErrorInvalidDeviceFunction;
         attributes = {};
         attributes.maxThreadsPerBlock = limits::threads_per_block;
-        attributes.numRegs = 32;
+        attributes.numRegs = settings().registers;
         attributes.ptxVersion = attributes.binaryVersion = 90;
         attributes.maxDynamicSharedSizeBytes = static_cast<int>(shared_limit(kernel));
         return cudaSuccess;
@@ -96,11 +96,12 @@ cudaError_t occupancy(int& blocks, const void* kernel, int threads, std::size_t 
         if (!kernel) return cudaErrorInvalidDeviceFunction;
         if (threads < 1) return cudaErrorInvalidValue;
         const std::size_t per_block = shared_bytes + 1024;  // the system reserves 1 KiB per block
+        const int by_registers = limits::registers / settings().registers / threads;
         const auto by_memory = static_cast<int>(limits::shared_bytes_per_multiprocessor / per_block);
         blocks = threads > limits::threads_per_block || shared_bytes > shared_limit(kernel)
                      ? 0
                      : std::min({limits::blocks_per_multiprocessor, limits::threads_per_multiprocessor / threads,
-                                 by_memory});
+                                 by_registers, by_memory});
         return cudaSuccess;
     });
 }

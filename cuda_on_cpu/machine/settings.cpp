@@ -50,6 +50,8 @@ Settings from_environment() {
     read("CUDA_ON_CPU_DEVICES", result.devices);
     read("CUDA_ON_CPU_MULTIPROCESSORS", result.multiprocessors);
     if (result.multiprocessors < 1) fail("CUDA_ON_CPU_MULTIPROCESSORS must be at least 1");
+    read("CUDA_ON_CPU_REGISTERS", result.registers);
+    if (result.registers < 1 || result.registers > 255) fail("CUDA_ON_CPU_REGISTERS must be from 1 to 255");
     read("CUDA_ON_CPU_COUNTS", switches, result.counts);
     return result;
 }

@@ -42,6 +42,8 @@ struct Settings {
     /// Bytes of device memory, all devices together. Allocations beyond it return cudaErrorMemoryAllocation.
     std::size_t device_bytes = std::size_t{4} << 30;
     int multiprocessors = 4;
+    /// Registers of each thread of every kernel, which limit how many blocks a multiprocessor holds.
+    int registers = 32;
     /// Number of allocations that succeed before one fails; later ones succeed again. Negative: none fails.
     int allocations_before_failure = -1;
     /// Number of kernel launches that succeed before one fails; later ones succeed again. Negative: none fails. On a
@@ -60,8 +62,8 @@ struct Settings {
 };
 
 /// Returns the settings in force. The first call reads CUDA_ON_CPU_ORDER, _PROGRESS, _SEED, _WORKERS, _DEVICES,
-/// _MULTIPROCESSORS and _COUNTS from the environment; an invalid value ends the process. Change settings only while no
-/// work is pending.
+/// _MULTIPROCESSORS, _REGISTERS and _COUNTS from the environment; an invalid value ends the process. Change settings
+/// only while no work is pending.
 Settings& settings();
 
 /// Returns the number of workers after the default is resolved, at least 1.

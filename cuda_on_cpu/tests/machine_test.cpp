@@ -182,6 +182,18 @@ TEST_F(Machine, kernels_round_to_nearest_in_any_mode_of_the_host) {
         }
 }
 
+TEST_F(Machine, registers_limit_the_blocks_of_a_multiprocessor) {
+    const auto blocks_with = [](int registers) {
+        settings().registers = registers;
+        int blocks = 0;
+        check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, third, 256, 0));
+        return blocks;
+    };
+    EXPECT_EQ(blocks_with(32), 8);
+    EXPECT_EQ(blocks_with(64), 4);
+    EXPECT_EQ(blocks_with(80), 3);
+}
+
 TEST_F(Machine, invalid_setting_is_an_error) {
     const auto run_with = [](const char* variable, const char* value) {
         setenv(variable, value, 1);
@@ -190,6 +202,7 @@ TEST_F(Machine, invalid_setting_is_an_error) {
     EXPECT_DEATH(run_with("CUDA_ON_CPU_ORDER", "sideways"), "CUDA_ON_CPU_ORDER=sideways is not supported");
     EXPECT_DEATH(run_with("CUDA_ON_CPU_COUNTS", "yes"), "CUDA_ON_CPU_COUNTS=yes is not supported");
     EXPECT_DEATH(run_with("CUDA_ON_CPU_MULTIPROCESSORS", "0"), "CUDA_ON_CPU_MULTIPROCESSORS must be at least 1");
+    EXPECT_DEATH(run_with("CUDA_ON_CPU_REGISTERS", "256"), "CUDA_ON_CPU_REGISTERS must be from 1 to 255");
 }
 
 TEST_F(Machine, barriers_and_warp_functions_outside_of_a_launch_abort) {
