@@ -182,7 +182,7 @@ class CRUMPLE_API Detector {
     ///
     /// `parts` must not contain the detector's own result; take it out first (take_result). Throws Error
     /// (invalid_argument) if a part is missing or occurs twice, if a result has triangles that the meshes lack or the
-    /// pair of another result, or for a world. Other results of other meshes with at least as many triangles are not
+    /// pair of another result, or for a world. Results of other meshes with at least as many triangles are not
     /// recognised. Cost: that of find() without the search, and O(pairs) to join the pairs.
     const Overlaps& combine(const Scene& scene, const OverlapQuery& query, std::span<const Overlaps> parts,
                             std::stop_token stop = {});

@@ -158,11 +158,12 @@ TEST_F(MpiRanks, overlaps_match_a_single_detector) {
         EXPECT_TRUE(overlaps_are(found, piece, expected)) << seed;
         EXPECT_EQ(any, one.any(bodies.view(), OverlapQuery())) << seed;
     }
-    try {
-        detector.find(LocalMesh(), OverlapQuery());
-        ADD_FAILURE() << "no error";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+    const WholeMesh mesh(pieces(5, 8, true));
+    const Overlaps& expected = one.find(mesh.view(), everything);
+    EXPECT_EQ(expected.count, 1);
+    for (const Distribution how : every_distribution) {
+        const MeshPiece piece(mesh, how, rank, ranks);
+        EXPECT_TRUE(is_overlap_of_mesh(detector.find(piece.share(), everything), piece, everything, expected));
     }
     detector.close();
 }

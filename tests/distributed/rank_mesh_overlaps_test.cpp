@@ -13,6 +13,7 @@
 #include "distributed/rank_detector.h"
 #include "distributed/rank_failures.h"
 #include "distributed/rank_meshes.h"
+#include "distributed/rank_overlap_rows.h"
 #include "distributed/thread_ranks.h"
 #include "error_of.h"
 #include "overlaps/closed_bodies.h"
@@ -30,33 +31,6 @@ DistributedOptions for_meshes() {
     options.detector.backend = Backend::cpu;
     options.detector.threads = 1;
     return options;
-}
-
-/// Returns a mesh of several random closed pieces, which may meet.
-Soup<double> pieces(unsigned seed, int count, bool grid) {
-    Dice dice(seed);
-    Soup<double> soup;
-    for (int i = 0; i < count; ++i)
-        dice.chance(0.5) ? add_box(dice, grid, 2, soup) : add_tetrahedron(dice, grid, 3, soup);
-    return soup;
-}
-
-/// Compares a rank's result with what it must be: the rank that provided triangle 0 has the whole result.
-testing::AssertionResult is_overlap_of_mesh(const DistributedOverlaps& found, const MeshPiece& piece,
-                                            const OverlapQuery& query, Overlaps whole) {
-    if (found.any != whole.any || found.count != whole.count)
-        return testing::AssertionFailure() << "any " << found.any << ", count " << found.count << " instead of "
-                                           << whole.any << ", " << whole.count;
-    Overlaps expected;
-    if (std::find(piece.triangle_ids.begin(), piece.triangle_ids.end(), 0) != piece.triangle_ids.end()) {
-        expected = whole;
-        expected.world_hit.clear();
-        expected.any = !expected.bodies.empty();
-    } else {
-        begin_rows(query, expected);
-    }
-    const std::string different = difference(found.rows, expected);
-    return different.empty() ? testing::AssertionSuccess() : testing::AssertionFailure() << "other " << different;
 }
 
 testing::AssertionResult same_overlap(const WholeMesh& mesh, Distribution how, int ranks, const OverlapQuery& query,

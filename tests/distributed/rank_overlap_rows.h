@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "distributed/rank_meshes.h"
 #include "distributed/rank_worlds.h"
 #include "overlaps/closed_bodies.h"
+#include "results/overlap_output.h"
 #include "results/overlap_rows.h"
 
 namespace crumple::test {
@@ -41,6 +45,33 @@ inline testing::AssertionResult overlaps_are(const DistributedOverlaps& found, c
         return testing::AssertionFailure() << "any " << found.any << ", count " << found.count << " instead of "
                                            << whole.any << ", " << whole.count;
     const std::string different = difference(found.rows, rows_of_piece(whole, piece));
+    return different.empty() ? testing::AssertionSuccess() : testing::AssertionFailure() << "other " << different;
+}
+
+/// Returns a mesh of several random closed pieces, which may meet.
+inline Soup<double> pieces(unsigned seed, int count, bool grid) {
+    Dice dice(seed);
+    Soup<double> soup;
+    for (int i = 0; i < count; ++i)
+        dice.chance(0.5) ? add_box(dice, grid, 2, soup) : add_tetrahedron(dice, grid, 3, soup);
+    return soup;
+}
+
+/// Compares a rank's result with what it must be: the rank that provided triangle 0 has the whole result.
+inline testing::AssertionResult is_overlap_of_mesh(const DistributedOverlaps& found, const MeshPiece& piece,
+                                                   const OverlapQuery& query, Overlaps whole) {
+    if (found.any != whole.any || found.count != whole.count)
+        return testing::AssertionFailure() << "any " << found.any << ", count " << found.count << " instead of "
+                                           << whole.any << ", " << whole.count;
+    Overlaps expected;
+    if (std::find(piece.triangle_ids.begin(), piece.triangle_ids.end(), 0) != piece.triangle_ids.end()) {
+        expected = whole;
+        expected.world_hit.clear();
+        expected.any = !expected.bodies.empty();
+    } else {
+        begin_rows(query, expected);
+    }
+    const std::string different = difference(found.rows, expected);
     return different.empty() ? testing::AssertionSuccess() : testing::AssertionFailure() << "other " << different;
 }
 
