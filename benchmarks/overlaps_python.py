@@ -1,6 +1,6 @@
 """Times overlaps of bodies (docs/overlap.md) against Manifold's booleans, in one process, alternately.
 
-    python overlaps_python.py [--quick] [--case NAME] [--threads N] [--json OUT]
+    python overlaps_python.py [--quick] [--case NAME] [--threads N] [--backend cuda] [--json OUT]
 
 Needs crumple's Python package and Manifold (pip install manifold3d) in one environment, and for real meshes the data
 below $CRUMPLE_DATA (default: ../shared/data beside the checkout); rows whose data is missing are left out. Each number
@@ -18,8 +18,9 @@ Kinds of rows:
     poses       configurations of two bodies: crumple in one call, Manifold in a loop over a part of them
     contact     bodies that touch, whose volume is exactly 0: overlaps against crumple's search for intersections
 
-A ratio is computed for each round (timed_rows.py). On one thread, times are CPU times of the process, which other load
-on the machine disturbs less; otherwise wall-clock times. Volumes are compared with exact ones if these are known.
+A ratio is computed for each round (timed_rows.py). With the cpu backend on one thread, times are CPU times of the
+process, which other load on the machine disturbs less; otherwise wall-clock times. With --backend cuda, crumple
+searches and sums on a device, and the number of threads is that of the host's part. Volumes are compared with exact ones if these are known.
 """
 
 from __future__ import annotations
@@ -58,13 +59,14 @@ class Setting:
 
     quick: bool
     threads: int
+    backend: str
 
     @property
     def clock(self):
-        return time.process_time if self.threads == 1 else time.perf_counter
+        return time.process_time if self.threads == 1 and self.backend == "cpu" else time.perf_counter
 
     def detector(self):
-        return crumple.Detector(threads=self.threads)
+        return crumple.Detector(backend=self.backend, threads=self.threads)
 
 
 def solid(vertices, faces):
@@ -340,19 +342,20 @@ def run(setting, names):
         sys.exit(f"overlaps_python.py: {setting.threads} threads need as many cores, and this process has {len(cores)}")
     os.sched_setaffinity(0, cores[: setting.threads])
     load = os.getloadavg()[0]
-    print(f"\nthreads: {setting.threads}, cores {cores[: setting.threads]}, load {load:.1f}", flush=True)
+    print(f"\nbackend: {setting.backend}, threads: {setting.threads}, cores {cores[: setting.threads]}, load {load:.1f}", flush=True)
     rows = measure(setting, names)
     show(rows)
     summarise(rows)
     print(f"load {os.getloadavg()[0]:.1f} at the end", flush=True)
-    return {"threads": setting.threads, "load_at_start": load, "load_at_end": os.getloadavg()[0], "rows": rows}
+    return {"backend": setting.backend, "threads": setting.threads, "load_at_start": load, "load_at_end": os.getloadavg()[0], "rows": rows}
 
 
 def run_apart(threads, arguments):
     """Runs the measurements in a new process, since Manifold's first call fixes its number of threads: one per core."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "run.json"
-        command = [sys.executable, __file__, "--threads", str(threads), "--json", str(out)]
+        command = [sys.executable, __file__, "--threads", str(threads), "--backend", arguments.backend]
+        command += ["--json", str(out)]
         command += ["--quick"] * arguments.quick + [f"--case={name}" for name in arguments.case or []]
         subprocess.run(command, check=True)
         return json.loads(out.read_text())["runs"]
@@ -365,12 +368,13 @@ def main():
         "--case", action="append", help="a pair of meshes, balls, poses or contact; may be repeated; else all"
     )
     parser.add_argument("--threads", type=int, action="append", help="may be repeated; else 1 and 2")
+    parser.add_argument("--backend", choices=("cpu", "cuda"), default="cpu", help="backend of crumple")
     parser.add_argument("--json", help="file for the figures")
     arguments = parser.parse_args()
     threads = arguments.threads or [1, 2]
     versions = {"crumple": crumple.__version__, "manifold3d": version("manifold3d"), "numpy": np.__version__}
     if len(threads) == 1:
-        runs = [run(Setting(arguments.quick, threads[0]), arguments.case)]
+        runs = [run(Setting(arguments.quick, threads[0], arguments.backend), arguments.case)]
     else:
         print(f"{versions}, {os.cpu_count()} processors")
         runs = [r for n in threads for r in run_apart(n, arguments)]
