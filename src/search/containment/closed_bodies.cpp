@@ -92,6 +92,7 @@ PlacedSurface ClosedBodies::place(std::int32_t body, Array<Vec3d>& points) const
     PlacedSurface placed;
     placed.surface = &surface(body);
     const std::int64_t n = outline_.shape(body).vertices.rows;
+    if (n == 0) return placed;
     points.resize_discard(static_cast<std::size_t>(n));
     if (pose.identity() && !position.float32 && position.contiguous())
         std::memcpy(points.data(), position.data, static_cast<std::size_t>(n) * sizeof(Vec3d));
