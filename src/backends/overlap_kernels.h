@@ -69,7 +69,7 @@ struct CrossingSigns {
     std::uint64_t apart = 0;
     /// Pairs all of whose signs that matter are known. The signs of other pairs are undefined.
     std::uint64_t decided = 0;
-    std::uint64_t tied = 0;    ///< pairs with a sign that comes from the shift; without, both shifts are the same
+    std::uint64_t tied = 0;    ///< pairs with a sign that comes from the shift; others cross alike under both shifts
     std::uint64_t zero[2][3];  ///< by surface and corner: the corner is in the plane of the other face, without a shift
     std::uint64_t sides[2][2][3];  ///< by shift, surface and corner: the corner is on the positive side of that plane
     /// By shift and by edges of a and b, those at the corner that is alone on its side: [0] the edge that ends there,

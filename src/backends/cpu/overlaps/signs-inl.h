@@ -40,7 +40,7 @@ struct Product {
     VectorLanes value, size;
 };
 
-/// Sign of a number: not 0 and positive or negative; or 0; if neither is set, unknown.
+/// Sign of a number, which is unknown if neither `nonzero` nor `zero` is set. `positive` counts only with `nonzero`.
 struct Sign {
     Mask positive, nonzero, zero;
 };
