@@ -35,7 +35,7 @@ enum class IndexType : std::uint8_t { int32, uint32, int64 };
 enum class MemorySpace : std::uint8_t { host, cuda };
 
 /// View of a (rows, 3) array that the caller owns. Strides are in bytes, so row-major, column-major and interleaved
-/// layouts need no copy.
+/// layouts need no copy. Strides have no default: views of rows with strides of 0 are refused.
 template <class Type>
 struct ArrayView {
     const void* data = nullptr;

@@ -18,6 +18,7 @@
 #include "exact/proximity/decide_distance.h"
 #include "filters/features/feature_points.h"
 #include "queries/checks.h"
+#include "scene/outline.h"
 #include "scene/prepared_scene.h"
 
 namespace crumple {
@@ -33,8 +34,8 @@ class PairPoints {
           rows_(view.rows),
           reader_{static_cast<const std::byte*>(view.data), view.row_stride, view.column_stride,
                   view.type == ScalarType::float32} {
-        if (rows_ > 0 && !view.data)
-            throw Error(ErrorCode::invalid_argument, std::string(name) + " has no data", Element::option);
+        if (const char* fault = fault_of(view))
+            throw Error(ErrorCode::invalid_argument, std::string("rows of ") + name + fault, Element::option);
         if (rows_ >= 0 && rows_ % static_cast<std::int64_t>(points_) == 0) return;
         throw Error(ErrorCode::invalid_argument,
                     std::string(name) + " must have " + std::to_string(points_) + " rows per pair, and " +

@@ -39,8 +39,8 @@ bool has_rest(const Shape& shape) { return shape.rest.data || shape.rest.rows > 
 
 void check_rest(const std::string& which, const Shape& shape) {
     check_count(which, " vertices in the rest shape", shape.rest.rows, shape.vertices.rows);
-    if (!shape.rest.data && shape.rest.rows > 0)
-        throw Error(ErrorCode::invalid_argument, which + "the vertices of the rest shape have no data");
+    if (const char* fault = fault_of(shape.rest))
+        throw Error(ErrorCode::invalid_argument, which + "the vertices of the rest shape" + fault);
 }
 
 }  // namespace

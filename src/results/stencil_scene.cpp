@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "crumple/error.h"
+#include "scene/outline.h"
 
 namespace crumple {
 namespace {
@@ -21,6 +22,7 @@ std::optional<VertexReader> reader_of_option(const VertexView& view, const char*
     if (!view.data || view.rows != vertices)
         refuse(std::string(name) + " has " + std::to_string(view.data ? view.rows : 0) + " rows for " +
                std::to_string(vertices) + " vertices");
+    if (const char* fault = fault_of(view)) refuse(std::string("rows of ") + name + fault);
     return VertexReader{static_cast<const std::byte*>(view.data), view.row_stride, view.column_stride,
                         view.type == ScalarType::float32};
 }

@@ -22,8 +22,8 @@ void check_mesh_outline(const MeshView& mesh, const std::string& subject, Memory
         refuse("has " + std::to_string(mesh.vertices.rows) + " vertices; 0 to 2147483647 are possible");
     if (mesh.triangles.rows < 0 || mesh.triangles.rows > most)
         refuse("has " + std::to_string(mesh.triangles.rows) + " triangles; 0 to 2147483647 are possible");
-    if (mesh.vertices.rows > 0 && !mesh.vertices.data) refuse("has no vertex data");
-    if (mesh.triangles.rows > 0 && !mesh.triangles.data) refuse("has no triangle data");
+    if (const char* fault = fault_of(mesh.vertices)) refuse(std::string("has vertices that") + fault);
+    if (const char* fault = fault_of(mesh.triangles)) refuse(std::string("has triangles that") + fault);
     if (!mesh.groups.empty() && static_cast<std::int64_t>(mesh.groups.size()) != mesh.triangles.rows)
         refuse("has " + std::to_string(mesh.groups.size()) + " group ids for " + std::to_string(mesh.triangles.rows) +
                " triangles");
@@ -54,7 +54,8 @@ void outline_motion(const VertexView& end, PreparedScene& scene) {
         throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(end.rows) + " vertices at the end for " +
                                                      std::to_string(scene.vertex_count()) + " at the start");
     if (end.rows > most_moving_vertices) throw Error(ErrorCode::invalid_argument, too_many_moving_vertices);
-    if (end.rows > 0 && !end.data) throw Error(ErrorCode::invalid_argument, "the vertices at the end have no data");
+    if (const char* fault = fault_of(end))
+        throw Error(ErrorCode::invalid_argument, std::string("the vertices at the end") + fault);
     scene.moving = true;
     scene.end = {static_cast<const std::byte*>(end.data), end.row_stride, end.column_stride,
                  end.type == ScalarType::float32};

@@ -11,8 +11,19 @@
 
 namespace crumple {
 
-/// Throws Error (invalid_argument) if counts, pointers or groups of the mesh are invalid, or if it is not in `memory`.
-/// `subject`: the name of the mesh in the message.
+/// Returns the end of an error message if the rows of the view cannot be read, otherwise null. Views that name only
+/// data and rows have strides of 0, so every row would be the first value, three times.
+template <class Type>
+const char* fault_of(const ArrayView<Type>& view) {
+    if (view.rows <= 0) return nullptr;
+    if (!view.data) return " have no data";
+    if (view.row_stride == 0 && view.column_stride == 0)
+        return " have strides of 0 bytes (row_stride and column_stride)";
+    return nullptr;
+}
+
+/// Throws Error (invalid_argument) if counts, pointers, strides or groups of the mesh are invalid, or if it is not in
+/// `memory`. `subject`: the name of the mesh in the message.
 void check_mesh_outline(const MeshView& mesh, const std::string& subject, MemorySpace memory);
 
 /// Returns a scene with the counts and readers of one mesh (b null) or two, which must be in `memory`. Throws Error

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "crumple/error.h"
+#include "scene/outline.h"
 
 namespace crumple {
 namespace {
@@ -25,7 +26,7 @@ void check_end(const Shape& shape, std::size_t s) {
     if (end.rows != shape.vertices.rows)
         refuse_shape("there are " + std::to_string(end.rows) + " vertices at the end for " +
                      std::to_string(shape.vertices.rows) + " at the start");
-    if (!end.data) refuse_shape("the vertices at the end have no data");
+    if (const char* fault = fault_of(end)) refuse_shape(std::string("the vertices at the end") + fault);
 }
 
 void check_shapes(const World& world) {

@@ -122,7 +122,7 @@ TEST(FeaturePairs, wrong_arguments_are_named_in_errors) {
     error = test::error_of([&] { pair_distances(FeatureKind::vertex_face, view(lattice(11, 6, 3))); });
     EXPECT_STREQ(error.what(), "points must have 4 rows per pair, and 11 is not a multiple of 4");
     error = test::error_of([&] { pair_distances(FeatureKind::vertex_face, {nullptr, 4, 24, 8, ScalarType::float64}); });
-    EXPECT_STREQ(error.what(), "points has no data");
+    EXPECT_STREQ(error.what(), "rows of points have no data");
     error = test::error_of([&] { pair_impacts(FeatureKind::vertex_edge, view(good), view(lattice(9, 6, 3))); });
     EXPECT_STREQ(error.what(), "end must have as many pairs as start, 4, not 3");
     error = test::error_of(

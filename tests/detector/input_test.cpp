@@ -51,6 +51,26 @@ TEST(Input, column_major_interleaved_and_unaligned_arrays_are_read) {
     EXPECT_EQ(pairs_of(detector.find({odd, odd_triangles})), expected);
 }
 
+TEST(Input, views_without_strides_are_refused) {
+    Detector detector;
+    const VertexView points{.data = vertices.data(), .rows = 6, .type = ScalarType::float32};
+    const TriangleView corners{.data = triangles.data(), .rows = 2};
+    const VertexView strided = MeshView(vertices, triangles).vertices;
+    const TriangleView strided_corners = MeshView(vertices, triangles).triangles;
+    const auto refused = [&](const Scene& scene) {
+        return std::string(error_of([&] { detector.find(scene); }).what());
+    };
+    EXPECT_EQ(refused({points, strided_corners}),
+              "the mesh has vertices that have strides of 0 bytes (row_stride and column_stride)");
+    EXPECT_EQ(refused({strided, corners}),
+              "the mesh has triangles that have strides of 0 bytes (row_stride and column_stride)");
+    const auto refused_end = [&](const VertexView& end) {
+        return std::string(
+            error_of([&] { detector.find(MeshView(vertices, triangles).moving_to(end), ImpactQuery()); }).what());
+    };
+    EXPECT_EQ(refused_end(points), "the vertices at the end have strides of 0 bytes (row_stride and column_stride)");
+}
+
 TEST(Input, empty_soups_have_no_collisions) {
     Detector detector;
     EXPECT_TRUE(detector.find(MeshView()).pairs.empty());
