@@ -148,8 +148,8 @@ class CpuBackend final : public BackendBase {
     IntersectCall make_call(const PreparedScene& scene, const IntersectionQuery& query, const Part* part) {
         Cached& k = *cached_;
         k.rule.prepare(query.filter, scene.bodies);
-        IntersectCall call{{scene, k.rule, Levels(part), options_, kernels_, workers_, *this, cancellation_, meter_,
-                            k.buffers, statistics_, k.leaves},
+        IntersectCall call{{scene, k.rule, Levels(part), options_, kernels_, workers_, cancellation_, meter_, k.buffers,
+                            statistics_, k.leaves},
                            query,
                            k.leaves,
                            k.output,
@@ -159,10 +159,17 @@ class CpuBackend final : public BackendBase {
     }
     Call make_call(const PreparedScene& scene, const FeatureRequest& request) {
         Cached& k = *cached_;
-        Call call{scene,     request.rule,  Levels(request.part),
-                  options_,  kernels_,      workers_,
-                  *this,     cancellation_, meter_,
-                  k.buffers, statistics_,   leaves_of(scene, request, k.features)};
+        Call call{scene,
+                  request.rule,
+                  Levels(request.part),
+                  options_,
+                  kernels_,
+                  workers_,
+                  cancellation_,
+                  meter_,
+                  k.buffers,
+                  statistics_,
+                  leaves_of(scene, request, k.features)};
         call.may_lose = &may_lose_;
         call.low_memory = request.low_memory;
         call.inflation = request.radii.empty() ? inflation_of(scene, request)

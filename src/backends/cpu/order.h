@@ -21,7 +21,6 @@ struct Call {
     const Options& options;
     const StageKernels& kernels;
     Workers& workers;
-    ParallelFor& parallel;  ///< same threads as `workers`
     Cancellation& cancellation;
     MemoryMeter& meter;
     Buffers& buffers;
