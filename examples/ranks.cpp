@@ -49,11 +49,11 @@ struct Block {
 bool run() {
     crumple::mpi::Detector detector(MPI_COMM_WORLD);
     Block block(rows * detector.rank() / detector.ranks(), rows * (detector.rank() + 1) / detector.ranks());
-    const crumple::LocalMesh share{{block.vertices, block.triangles}, block.triangle_ids, block.vertex_ids};
+    const crumple::LocalMesh local{{block.vertices, block.triangles}, block.triangle_ids, block.vertex_ids};
     bool any = false;
     for (int frame = 0; frame < 4; ++frame) {
         block.move(frame);
-        const crumple::DistributedIntersections& found = detector.find(share);
+        const crumple::DistributedIntersections& found = detector.find(local);
         std::printf("frame %d, rank %d: %zu of %lld pairs\n", frame, detector.rank(), found.pairs.size(),
                     static_cast<long long>(found.count));
         any = found.count > 0;
