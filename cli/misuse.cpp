@@ -3,6 +3,8 @@
 
 #include "cli/misuse.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <numeric>
 #include <string_view>
@@ -77,9 +79,12 @@ std::string suggestion(const std::string& argument, const CLI::App& command) {
 std::string explain(const CLI::ParseError& error, const CLI::App& app) {
     const auto chosen = app.get_subcommands();
     const CLI::App& command = chosen.empty() ? app : *chosen.front();
-    const std::string message = (chosen.empty() ? "" : command.get_name() + ": ") + error.what();
+    const std::string prefix = chosen.empty() ? "" : command.get_name() + ": ";
+    std::string message = prefix + error.what();
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
-        for (const std::string& word : app.remaining(true)) {
+        const std::vector<std::string> words = app.remaining(true);  // the error's own text has them in another order
+        message = prefix + fmt::format("not expected: {}", fmt::join(words, " "));
+        for (const std::string& word : words) {
             const std::string meant = suggestion(word, command);
             if (!meant.empty()) return message + meant;
         }

@@ -29,18 +29,16 @@ TEST_F(Misuse, wrong_commands_and_arguments_are_refused) {
     expect_refused("detect five.off five.off five.off",
                    "detect takes one FILE or two, or any number with --groups bodies");
     expect_refused("verify five.off", "verify: FILE: At least 2 required but received 1");
-    expect_refused("info five.off five.off", "info: The following argument was not expected: five.off");
+    expect_refused("info five.off five.off", "info: not expected: five.off");
     expect_refused("detect five.off --threads 1 --threads 2", "detect: --threads: At Most 1 required but received 2");
     expect_refused("detect five.off -o", "detect: --output: 1 required OUT missing");
 }
 
 TEST_F(Misuse, error_of_an_unknown_option_suggests_a_similar_one) {
-    expect_refused("detect five.off --fast",
-                   "detect: The following argument was not expected: --fast; see crumple detect --help");
+    expect_refused("detect five.off --fast", "detect: not expected: --fast; see crumple detect --help");
     expect_refused("detect five.off --neighbors skip", "--neighbors; did you mean --neighbours?");
     expect_refused("detect five.off --neighbors=skip", "--neighbors=skip; did you mean --neighbours?");
-    expect_refused("info five.off --wels",
-                   "info: The following argument was not expected: --wels; did you mean --weld?");
+    expect_refused("info five.off --wels", "info: not expected: --wels; did you mean --weld?");
     expect_refused("detect five.off --out x.txt", "; did you mean --output?");
     expect_refused("info five.off --neighbours skip", "--neighbours; see crumple info --help");
 }
@@ -50,7 +48,8 @@ TEST_F(Misuse, error_of_a_renamed_option_names_its_replacement) {
     expect_refused("detect five.off --intersections=proper", "--intersections=proper; it is --kind now");
     expect_refused("detect five.off --groups bodies --exclude a,b", "; it is --excluded-bodies now");
     expect_refused("impacts five.off five.off --kind pairs", "; it is --triangle-pairs or --candidates now");
-    expect_refused("impacts five.off five.off --separation 1", "; it is --min-distance now");
+    expect_refused("impacts five.off five.off --separation 1",
+                   "impacts: not expected: --separation 1; it is --min-distance now");
     expect_refused("verify five.off five.off --near 1", "; it is --radius now");
     expect_refused("info five.off --wanted between", "--wanted; see crumple info --help");
 }
