@@ -71,6 +71,8 @@ __global__ void __launch_bounds__(threads, 768 / threads)
     filter_kernel(PreparedScene scene, Sorted sorted, RecordRows records, PointRows points, Frames frames,
                   NarrowPolicy policy, List<Candidate> survivors, List<Candidate> undecided, Hits hits,
                   unsigned long long* doubles) {
+    const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
+    if (std::uint64_t{blockIdx.x} * threads >= n) return;  // most blocks of a small scene have no survivor
     auto& shared = dynamic_shared<FilterShared<threads>>();
     auto& own = shared.warp[threadIdx.x / 32];
     WarpQueue<Candidate> open(own.open), found(own.found);
@@ -101,7 +103,6 @@ __global__ void __launch_bounds__(threads, 768 / threads)
         if (left && place < undecided.capacity) undecided.data[place] = c;
         double_tests += has;
     };
-    const unsigned long long n = survivors.filled(), warps_end = (n + 31) / 32 * 32;
     bool more = true;
     for (unsigned long long i = grid_thread(); more; i += grid_stride()) {
         more = i < warps_end && !has_ended(hits.end());
