@@ -109,7 +109,7 @@ nlohmann::json race_ranks(const std::string& scene, const Settings& settings, in
         meet_asleep();
         MPI_Barrier(MPI_COMM_WORLD);
         const auto begin = Clock::now();
-        const DistributedIntersections& found = many.find(frames[f].share());
+        const DistributedIntersections& found = many.find(frames[f].local_mesh());
         double time_of_many = milliseconds_since(begin);
         MPI_Allreduce(MPI_IN_PLACE, &time_of_many, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
         if (rank == 0) agree = agree && found.count == pairs;
@@ -247,7 +247,7 @@ nlohmann::json measure_growth(const std::string& scene, const Settings& settings
     if (rank == 0) {
         fmt::print("{}: {} triangles, {} pairs{}; ranks {:016x}, one process {:016x}\n", scene, many.triangles,
                    many.pairs, agree ? "" : ", WHICH DIFFER FROM ONE PROCESS", many.hash, one.hash);
-        fmt::print("  largest rank of {}: {:.0f} MiB, one process {:.0f} MiB: {:.2f} times its share\n", ranks,
+        fmt::print("  largest rank of {}: {:.0f} MiB, one process {:.0f} MiB: {:.2f} times its local\n", ranks,
                    many.mebibytes, one.mebibytes, many.mebibytes * ranks / one.mebibytes);
         fmt::print("  first call {:.0f} ms, second {:.0f} ms; one process on one thread {:.0f} and {:.0f} ms\n",
                    many.milliseconds[0], many.milliseconds[1], one.milliseconds[0], one.milliseconds[1]);

@@ -46,7 +46,7 @@ struct RankBlock {
             whole.vertices);
     }
     /// Returns the block as the local mesh of its rank. Blocks are in the order of the ranks, so triangles need no ids.
-    LocalMesh share() const { return {mesh.view(), {}, vertex_ids}; }
+    LocalMesh local_mesh() const { return {mesh.view(), {}, vertex_ids}; }
 
    private:
     bool named_elsewhere(const io::TriangleMesh& whole, std::size_t v) {

@@ -122,7 +122,7 @@ struct MovingBlock {
         vertex_ids.resize(static_cast<std::size_t>(blocks[0].mesh.vertex_count()));
         std::iota(vertex_ids.begin(), vertex_ids.end(), blocks[0].first_vertex);
     }
-    LocalMesh share(int frame) const {
+    LocalMesh local_mesh(int frame) const {
         return {blocks[static_cast<std::size_t>(frame % 2)].mesh.view(), {}, vertex_ids};
     }
 };
@@ -166,7 +166,7 @@ nlohmann::json frames_of(const scenes::Parameters& parameters, int ranks) {
             std::vector<RankFigures> told;
             for (int frame = 0; frame < frames; ++frame) {
                 const double begin = time_of_thread();
-                const std::int64_t total = detector.find(block.share(frame)).count;
+                const std::int64_t total = detector.find(block.local_mesh(frame)).count;
                 told.push_back(transport.end(time_of_thread() - begin, detector.statistics()));
                 if (r == 0) pairs = total;
             }

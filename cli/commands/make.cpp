@@ -104,7 +104,7 @@ Command add_make(CLI::App& app) {
         ->type_name("FILE");
     add_format_option(command, make->format, "ply|obj|stl|off|glb|3mf");
     command.footer(
-        "A simulated scene takes seconds to minutes; its frames are kept under $XDG_CACHE_HOME/crumple or\n"
+        "A simulated scene takes seconds to minutes; its frames are cached under $XDG_CACHE_HOME/crumple or\n"
         "~/.cache/crumple for the next time.\n\n"
         "Example: crumple make cloth_on_ball --frame 60 -o cloth.ply");
     return {&command, [make] { return make->run(); }};

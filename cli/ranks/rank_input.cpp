@@ -157,11 +157,11 @@ RankInput with_vertices(RankLink& link, RankMeshInput mesh) {
 
 }  // namespace
 
-LocalMesh RankInput::share() const {
-    const LocalMesh share{.mesh = mesh.view(),
+LocalMesh RankInput::local_mesh() const {
+    const LocalMesh local{.mesh = mesh.view(),
                           .triangle_ids = {},
                           .vertex_ids = has_copies ? std::span(vertex_ids) : std::span<const std::int64_t>()};
-    return end ? share.moving_to(end->view().vertices) : share;
+    return end ? local.moving_to(end->view().vertices) : local;
 }
 
 RankInput read_on_ranks(RankLink& link, const std::vector<std::string>& files, const QueryOptions& query_options,

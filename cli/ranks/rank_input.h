@@ -23,7 +23,7 @@ struct RankInput {
     io::Blocks triangles;                  ///< division of the file's triangles into a block for each rank
     bool weld = false;                     ///< true if the search has to weld vertices at equal positions
 
-    LocalMesh share() const;
+    LocalMesh local_mesh() const;
 };
 
 /// Collective. Reads a mesh or, for two files, one mesh at the start and at the end of a step. Each rank reads its own

@@ -127,7 +127,7 @@ int search(RankLink& link, const SearchCommand& command, const std::vector<std::
     print_phases(detector, steps);
     const auto find = [&]() -> const auto& {
         try {
-            return detector.find(input.share(), query);
+            return detector.find(input.local_mesh(), query);
         } catch (const Error& error) {
             throw with_name(files.size() > 1 ? files[0] + " to " + files[1] : files[0], without_rank(error));
         }

@@ -67,14 +67,14 @@ struct DistributedOptions {
 
 /// Phases of a call, in order: check that all ranks make the same query; read the input; match ids over ranks; compute
 /// the centres of parts (place); find the parts of each local triangle (members); reserve memory for the parts and send
-/// their triangles (room); search; send the rows of the result; merge them (output). Each phase ends with a collective
-/// error check.
-enum class Phase : std::uint8_t { query, input, ids, place, members, room, search, rows, output };
+/// their triangles (memory); search; send the rows of the result; merge them (output). Each phase ends with a
+/// collective error check.
+enum class Phase : std::uint8_t { query, input, ids, place, members, memory, search, rows, output };
 inline constexpr int phase_count = 9;
 /// Returns the name of the enumerator, such as "query".
 constexpr std::string_view phase_name(Phase phase) {
-    constexpr std::array<std::string_view, phase_count> names{"query", "input",  "ids",  "place", "members",
-                                                              "room",  "search", "rows", "output"};
+    constexpr std::array<std::string_view, phase_count> names{"query",  "input",  "ids",  "place", "members",
+                                                              "memory", "search", "rows", "output"};
     return names[static_cast<std::size_t>(phase)];
 }
 

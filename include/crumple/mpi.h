@@ -45,7 +45,7 @@ class CRUMPLE_API Detector {
     void close();
 
     /// Finds everything that the query describes, as crumple::Detector::find does. Each rank gets the rows whose first
-    /// triangle, feature or body it has provided, in order; valid until the next call. `Share` is LocalMesh or
+    /// triangle, feature or body it has provided, in order; valid until the next call. `Local` is LocalMesh or
     /// LocalWorld; the query is an IntersectionQuery, ImpactQuery, ProximityQuery or OverlapQuery.
     ///
     /// With less output than pairs no rows are sent; Output::any_by_world is the same as Output::any. A moving mesh has
@@ -62,12 +62,12 @@ class CRUMPLE_API Detector {
     /// overlap of a LocalMesh with itself is one row, on the rank of triangle 0 (rank 0 if there is no triangle). All
     /// ranks search for triangles that intersect; then that rank gets the whole mesh and computes the row alone, so it
     /// needs memory for the whole mesh.
-    template <class Query = IntersectionQuery, class Share>
-    const typename Query::DistributedResult& find(const Share& share, const Query& query = {},
+    template <class Query = IntersectionQuery, class Local>
+    const typename Query::DistributedResult& find(const Local& local, const Query& query = {},
                                                   std::stop_token stop = {});
     /// True if find() would find anything on any rank. Each rank stops at its first pair.
-    template <class Query = IntersectionQuery, class Share>
-    bool any(const Share& share, const Query& query = {}, std::stop_token stop = {});
+    template <class Query = IntersectionQuery, class Local>
+    bool any(const Local& local, const Query& query = {}, std::stop_token stop = {});
 
     /// Calls `poll` at the beginning of each phase, and about every 20 ms while this rank searches, in the thread that
     /// made the call. An exception from `poll` ends the call on all ranks: an Error is thrown on all of them; any other

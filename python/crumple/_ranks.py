@@ -73,7 +73,7 @@ class LocalWorld:
         return _mpi.LocalWorld(world, self.body_ids)
 
 
-def share_of(scene: Any, triangle_ids: Any, vertex_ids: Any, body_ids: Any) -> LocalMesh | LocalWorld:
+def local_of(scene: Any, triangle_ids: Any, vertex_ids: Any, body_ids: Any) -> LocalMesh | LocalWorld:
     if isinstance(scene, World):
         if triangle_ids is not None or vertex_ids is not None:
             raise InvalidType("triangle_ids and vertex_ids are for meshes, but the scene is a crumple.World")

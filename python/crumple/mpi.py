@@ -3,7 +3,7 @@
 Each rank provides some of the triangles, with all of their vertices, and gets the pairs whose first triangle it has
 provided. The rows of all ranks, merged, are the same bytes as the rows of crumple.Detector.intersections for the whole
 scene. `impacts` and `proximities` do the same for motion and nearness. Instead of triangles, ranks may provide bodies
-(World), whose overlaps `overlaps` finds. As in crumple.Detector, `find(share, query)` is the basic call.
+(World), whose overlaps `overlaps` finds. As in crumple.Detector, `find(local, query)` is the basic call.
 
 Raises
 ------
@@ -69,7 +69,7 @@ from ._ranks import (
     Overlaps,
     Proximities,
     excluded_of_ranks,
-    share_of,
+    local_of,
     show,
 )
 
@@ -255,12 +255,12 @@ class Detector:
         return self._open().statistics
 
     @_in_call
-    def find(self, share: LocalMesh | LocalWorld, query: Query = _ALL) -> Any:
+    def find(self, local: LocalMesh | LocalWorld, query: Query = _ALL) -> Any:
         """Finds everything that a query describes. Collective.
 
         Parameters
         ----------
-        share : LocalMesh or LocalWorld
+        local : LocalMesh or LocalWorld
             Local mesh or bodies of this rank.
         query : IntersectionQuery, ImpactQuery, ProximityQuery or OverlapQuery, default IntersectionQuery()
             The same on all ranks.
@@ -297,15 +297,15 @@ class Detector:
         .. [1] D. Mainzer and G. Zachmann, "Collision Detection Based on Fuzzy Scene Subdivision", sec. 1.1, for parts
            on several machines.
         """
-        return self._find(lambda: share, lambda: query)
+        return self._find(lambda: local, lambda: query)
 
     @_in_call
-    def any(self, share: LocalMesh | LocalWorld, query: Query = _ALL) -> bool:
+    def any(self, local: LocalMesh | LocalWorld, query: Query = _ALL) -> bool:
         """True if `find` would find anything on any rank. Each rank stops at its first pair. Collective.
 
         Parameters
         ----------
-        share, query
+        local, query
             As for `find`.
 
         Returns
@@ -317,7 +317,7 @@ class Detector:
         InvalidInput, MemoryLimit
             As `find`.
         """
-        return self._call("any", lambda: share, lambda: query)[0]
+        return self._call("any", lambda: local, lambda: query)[0]
 
     @_in_call
     @keywords_of(IntersectionQuery)
@@ -356,7 +356,7 @@ class Detector:
         """
         ids = (triangle_ids, vertex_ids, body_ids)
         return self._find(
-            lambda: share_of(scene_of(vertices, faces, groups=groups), *ids),
+            lambda: local_of(scene_of(vertices, faces, groups=groups), *ids),
             lambda: query_of(IntersectionQuery, options),
         )
 
@@ -398,7 +398,7 @@ class Detector:
         """
         ids = (triangle_ids, vertex_ids, body_ids)
         return self._find(
-            lambda: share_of(step_of(start, end, faces, groups), *ids), lambda: query_of(ImpactQuery, options)
+            lambda: local_of(step_of(start, end, faces, groups), *ids), lambda: query_of(ImpactQuery, options)
         )
 
     @_in_call
@@ -437,7 +437,7 @@ class Detector:
         """
         ids = (triangle_ids, vertex_ids, body_ids)
         return self._find(
-            lambda: share_of(scene_of(vertices, faces, groups=groups), *ids), lambda: query_of(ProximityQuery, options)
+            lambda: local_of(scene_of(vertices, faces, groups=groups), *ids), lambda: query_of(ProximityQuery, options)
         )
 
     @_in_call
@@ -467,7 +467,7 @@ class Detector:
             As `find`.
         """
         return self._find(
-            lambda: share_of(scene_of(world), triangle_ids, vertex_ids, body_ids),
+            lambda: local_of(scene_of(world), triangle_ids, vertex_ids, body_ids),
             lambda: query_of(OverlapQuery, options),
         )
 
@@ -520,22 +520,22 @@ class Detector:
             raise Error("the detector is closed", code="communication")
         return self._ranks
 
-    def _find(self, share: Callable[[], Any], query: Callable[[], Any]) -> Any:
-        found, request, of_world = self._call("find", share, query)
+    def _find(self, local: Callable[[], Any], query: Callable[[], Any]) -> Any:
+        found, request, of_world = self._call("find", local, query)
         return show(found, request, of_world)
 
-    def _call(self, call: str, share: Callable[[], Any], query: Callable[[], Any]) -> tuple[Any, Query, bool]:
+    def _call(self, call: str, local: Callable[[], Any], query: Callable[[], Any]) -> tuple[Any, Query, bool]:
         """Calls the method `call` of the extension module. Returns its result, the query, and True for bodies.
 
-        share() and query() make the arguments of this rank. If one of them raises an exception, notifies the other
+        local() and query() make the arguments of this rank. If one of them raises an exception, notifies the other
         ranks, which would otherwise wait for this rank.
         """
         ranks = self._open()
         try:
-            brought, request = share(), query()
+            brought, request = local(), query()
             if not isinstance(brought, (LocalMesh, LocalWorld)):
                 kind = name_of_type(type(brought))
-                raise InvalidType(f"share must be a LocalMesh or a LocalWorld, not {kind}", element="option")
+                raise InvalidType(f"local must be a LocalMesh or a LocalWorld, not {kind}", element="option")
             scene: Any = brought._scene()
             request = checked_query(scene, request)
             if not isinstance(request, (IntersectionQuery, ImpactQuery, ProximityQuery, OverlapQuery)):

@@ -43,7 +43,7 @@ def invalid_bodies_are_refused_on_all_ranks():
                 error = error_of(detector.find, share, crumple.IntersectionQuery(**(members if failed else {})))
                 assert error.rank == failing and message in str(error), error
             for message, share, query in (
-                ("share must be a LocalMesh or a LocalWorld, not crumple.", world, crumple.IntersectionQuery()),
+                ("local must be a LocalMesh or a LocalWorld, not crumple.", world, crumple.IntersectionQuery()),
                 ("query must be a query of crumple, such as", local, "intersections"),
                 ("CandidateQuery is not supported on ranks", local, crumple.CandidateQuery()),
             ):
@@ -135,7 +135,7 @@ def a_misspelt_argument_ends_the_call_on_all_ranks():
             for call in (detector.find, detector.any):
                 query = crumple.IntersectionQuery()
                 check(failing, call, local, known={"query": query}, unknown={"querry": query}, message="mean 'query'")
-                check(failing, call, known={"share": local}, unknown={}, message="missing")
+                check(failing, call, known={"local": local}, unknown={}, message="missing")
             check(failing, detector.intersections, known={"vertices": local.mesh} | ids, unknown={}, message="missing")
             check(failing, crumple.mpi.Detector, COMM, known=ONE, unknown={"thread": 1}, message="mean 'threads'")
         check_rows(detector.find(local), local, crumple.Detector(**ONE).intersections(mesh))

@@ -8,13 +8,13 @@ LocalMesh TriangleBlock::take(const PreparedScene& scene) {
     if (!names_the_same(scene)) number(scene);
     gather(scene.reader[0], start_);
     if (scene.moving) gather(scene.end, end_);
-    LocalMesh share;
-    share.mesh.vertices = view_of(start_);
-    share.mesh.triangles = rows_of_three(corners_.data(), triangles_.size());
+    LocalMesh local;
+    local.mesh.vertices = view_of(start_);
+    local.mesh.triangles = rows_of_three(corners_.data(), triangles_.size());
     if (scene.groups)
-        share.mesh.groups = {scene.groups + triangles_.begin, static_cast<std::size_t>(triangles_.size())};
-    share.vertex_ids = ids_;
-    return share;
+        local.mesh.groups = {scene.groups + triangles_.begin, static_cast<std::size_t>(triangles_.size())};
+    local.vertex_ids = ids_;
+    return local;
 }
 
 std::span<const std::int32_t> TriangleBlock::corners_in(const PreparedScene& scene) const {

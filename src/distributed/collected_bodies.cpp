@@ -17,21 +17,21 @@ void make_unique(std::vector<BodyPair>& pairs) {
 
 }  // namespace
 
-void RankDetector::answer(const LocalWorld& share, const PairFilter& rules, bool moving,
-                          FunctionRef<ComparedQuery()> ask, std::stop_token stop, FunctionRef<void()> work) {
+void RankDetector::run(const LocalWorld& local, const PairFilter& rules, bool moving,
+                       FunctionRef<ComparedQuery()> make_query, std::stop_token stop, FunctionRef<void()> work) {
     const auto outline = [&] {
-        ComparedQuery asked = ask();
-        bodies_.outline(share, rules, moving);
-        return asked;
+        ComparedQuery compared = make_query();
+        bodies_.outline(local, rules, moving);
+        return compared;
     };
     const auto prepare = [&] {
         bodies_.number(transport_, check_);
         check_(Phase::input, [&] { bodies_.pose(engine_->workers()); });
     };
-    answer(bodies_.share(), moving ? &bodies_.end() : nullptr, outline, prepare, std::move(stop), work);
+    run(bodies_.local_mesh(), moving ? &bodies_.end() : nullptr, outline, prepare, std::move(stop), work);
 }
 
-const DistributedIntersections& RankDetector::find(const LocalWorld& share, const IntersectionQuery& query,
+const DistributedIntersections& RankDetector::find(const LocalWorld& local, const IntersectionQuery& query,
                                                    std::stop_token stop) {
     result_ = {}, world_result_ = {};
     const auto work = [&] {
@@ -50,8 +50,8 @@ const DistributedIntersections& RankDetector::find(const LocalWorld& share, cons
         world_result_.count = result_.count;
         if (wants == RankOutput::pairs) check_(Phase::output, [&] { name_bodies_of_rows(); });
     };
-    answer(
-        share, query.filter, false, [&] { return request_of_ranks(query); }, std::move(stop), work);
+    run(
+        local, query.filter, false, [&] { return request_of_ranks(query); }, std::move(stop), work);
     world_result_.statistics = statistics_;
     return world_result_;
 }
@@ -89,11 +89,11 @@ void RankDetector::search_body_pairs(const IntersectionQuery& query) {
         for (const BodyPair& pair : colliding)
             for_rank[static_cast<std::size_t>(bodies_.rank_of(pair.first))].push_back(pair);
     });
-    const Traffic traffic = traffic_of(rounds_, [&](std::size_t r) { return for_rank[r].size(); });
+    const Traffic traffic = traffic_of(batches_, [&](std::size_t r) { return for_rank[r].size(); });
     std::vector<BodyPair> coming;
     check_(Phase::rows, [&] { coming.resize(all(traffic.in)); });
     exchange_lists(
-        rounds_, traffic, [&](std::size_t r) -> auto& { return for_rank[r]; }, coming);
+        batches_, traffic, [&](std::size_t r) -> auto& { return for_rank[r]; }, coming);
     check_(Phase::output, [&] {
         make_unique(coming);
         world_result_.bodies.resize_discard(coming.size());
@@ -102,7 +102,7 @@ void RankDetector::search_body_pairs(const IntersectionQuery& query) {
     world_result_.any = add_up(static_cast<std::int64_t>(coming.size()), true) > 0;
 }
 
-const DistributedImpacts& RankDetector::find(const LocalWorld& share, const ImpactQuery& query, std::stop_token stop) {
+const DistributedImpacts& RankDetector::find(const LocalWorld& local, const ImpactQuery& query, std::stop_token stop) {
     impacts_ = {};
     const auto work = [&] {
         ImpactQuery of_groups = query;
@@ -115,13 +115,13 @@ const DistributedImpacts& RankDetector::find(const LocalWorld& share, const Impa
         first.pair = {a.number, b.number};
         first.bodies = {a.body, b.body};
     };
-    answer(
-        share, query.filter, true, [&] { return request_of_ranks(query, true); }, std::move(stop), work);
+    run(
+        local, query.filter, true, [&] { return request_of_ranks(query, true); }, std::move(stop), work);
     impacts_.statistics = statistics_;
     return impacts_;
 }
 
-const DistributedProximities& RankDetector::find(const LocalWorld& share, const ProximityQuery& query,
+const DistributedProximities& RankDetector::find(const LocalWorld& local, const ProximityQuery& query,
                                                  std::stop_token stop) {
     nearby_ = {};
     const auto work = [&] {
@@ -130,18 +130,18 @@ const DistributedProximities& RankDetector::find(const LocalWorld& share, const 
         search_near(of_groups);
         name_bodies_of_features(nearby_);
     };
-    answer(
-        share, query.filter, false, [&] { return request_of_ranks(query, true); }, std::move(stop), work);
+    run(
+        local, query.filter, false, [&] { return request_of_ranks(query, true); }, std::move(stop), work);
     nearby_.statistics = statistics_;
     return nearby_;
 }
 
-template <class Answer>
-void RankDetector::name_bodies_of_features(Answer& answer) {
+template <class Result>
+void RankDetector::name_bodies_of_features(Result& result) {
     bodies_.count_edges(transport_, check_, features_);
     check_(Phase::output, [&] {
         for (std::size_t k = 0; k < feature_kinds; ++k) {
-            auto& list = answer.lists[k];
+            auto& list = result.lists[k];
             list.bodies.resize_discard(list.pairs.size());
             for (std::size_t i = 0; i < list.pairs.size(); ++i) {
                 const auto [a, b] = bodies_.features(static_cast<FeatureKind>(k), list.pairs[i]);
@@ -149,13 +149,13 @@ void RankDetector::name_bodies_of_features(Answer& answer) {
                 list.pairs[i] = {a.number, b.number};
             }
         }
-        answer.edge_bodies.resize_discard(answer.edges.size());
-        for (std::size_t i = 0; i < answer.edges.size(); ++i) {
-            const Bodies::Within edge = bodies_.edge(answer.edge_ids[i]);
-            answer.edge_ids[i] = edge.number;
-            answer.edge_bodies[i] = edge.body;
-            const Edge ends = answer.edges[i];
-            answer.edges[i] = {bodies_.vertex(ends.a).number, bodies_.vertex(ends.b).number};
+        result.edge_bodies.resize_discard(result.edges.size());
+        for (std::size_t i = 0; i < result.edges.size(); ++i) {
+            const Bodies::Within edge = bodies_.edge(result.edge_ids[i]);
+            result.edge_ids[i] = edge.number;
+            result.edge_bodies[i] = edge.body;
+            const Edge ends = result.edges[i];
+            result.edges[i] = {bodies_.vertex(ends.a).number, bodies_.vertex(ends.b).number};
         }
     });
 }

@@ -40,12 +40,12 @@ std::int64_t RankDetector::add_up(std::int64_t found, bool cut_short) {
     return all;
 }
 
-const DistributedIntersections& RankDetector::find(const LocalMesh& share, const IntersectionQuery& query,
+const DistributedIntersections& RankDetector::find(const LocalMesh& local, const IntersectionQuery& query,
                                                    std::stop_token stop) {
     result_ = {};
     const RankOutput output = output_of(query);
-    answer(
-        share, nullptr, [&] { return request_of_ranks(query, output); }, [] {}, std::move(stop),
+    run(
+        local, nullptr, [&] { return request_of_ranks(query, output); }, [] {}, std::move(stop),
         [&] { search_rows(query, output); });
     result_.statistics = statistics_;
     return result_;
@@ -65,7 +65,7 @@ void RankDetector::search_rows(const IntersectionQuery& query, RankOutput wants)
         add_pass(in_part.statistics, statistics_.search);
     };
     search(each, [&] { return wants == RankOutput::any && found > 0; });
-    if (wants == RankOutput::pairs) rows.exchange(rounds_, check_, query.contacts(), result_);
+    if (wants == RankOutput::pairs) rows.exchange(batches_, check_, query.contacts(), result_);
     result_.count = add_up(found, wants == RankOutput::any);
     result_.any = result_.count > 0;
 }
@@ -87,15 +87,15 @@ void RankDetector::search_features(Each each, bool listed, bool cut_short, Resul
         add_pass(in_part.statistics, statistics_.search);
     };
     search(one, [&] { return cut_short && any; });
-    if (listed) rows.exchange(rounds_, check_, result);
+    if (listed) rows.exchange(batches_, check_, result);
     result.count = add_up(found, !listed);
     result.any = on_any_rank(any);
 }
 
-const DistributedImpacts& RankDetector::find(const LocalMesh& share, const ImpactQuery& query, std::stop_token stop) {
+const DistributedImpacts& RankDetector::find(const LocalMesh& local, const ImpactQuery& query, std::stop_token stop) {
     impacts_ = {};
-    answer(
-        share, &share.mesh.end, [&] { return request_of_ranks(query, false); }, [] {}, std::move(stop),
+    run(
+        local, &local.mesh.end, [&] { return request_of_ranks(query, false); }, [] {}, std::move(stop),
         [&] { search_impacts(query); });
     impacts_.statistics = statistics_;
     return impacts_;
@@ -114,11 +114,11 @@ void RankDetector::search_impacts(const ImpactQuery& query) {
     if (!any) impacts_.first = first_of_all(first);
 }
 
-const DistributedProximities& RankDetector::find(const LocalMesh& share, const ProximityQuery& query,
+const DistributedProximities& RankDetector::find(const LocalMesh& local, const ProximityQuery& query,
                                                  std::stop_token stop) {
     nearby_ = {};
-    answer(
-        share, nullptr, [&] { return request_of_ranks(query, false); }, [] {}, std::move(stop),
+    run(
+        local, nullptr, [&] { return request_of_ranks(query, false); }, [] {}, std::move(stop),
         [&] { search_near(query); });
     nearby_.statistics = statistics_;
     return nearby_;

@@ -24,13 +24,13 @@ void gather(const VertexReader& reader, std::span<const std::int32_t> vertices, 
 }  // namespace
 
 Delivery::Delivery(MessageBatches& batches, CollectiveCheck& agree, const Owners& owners, RankMembers& members,
-                   const RankMesh& share, const GhostVertices& copies, std::vector<AssembledPart>& mine,
+                   const RankMesh& local, const GhostVertices& copies, std::vector<AssembledPart>& mine,
                    std::size_t depth)
-    : rounds_(batches),
+    : batches_(batches),
       check_(agree),
       owners_(owners),
       members_(members),
-      share_(share),
+      local_(local),
       copies_(copies),
       all_mine_(mine),
       depth_(static_cast<std::int64_t>(depth)),
@@ -54,8 +54,8 @@ void Delivery::run(const What& what, FunctionRef<void(std::int64_t bytes)> room)
 int Delivery::choose_groups() {
     std::int64_t most = 0;
     check_(Phase::members, [&] { most = members_.bytes_of_changes(); });
-    rounds_.transport().reduce({&most, 1}, Reduction::max);
-    return most > rounds_.bytes() ? most_parts_ : 1;
+    batches_.transport().reduce({&most, 1}, Reduction::max);
+    return most > batches_.bytes() ? most_parts_ : 1;
 }
 
 void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t bytes)> room) {
@@ -63,7 +63,7 @@ void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t by
         parts_.clear();
         for (const std::int32_t part : members_.parts())
             if (place_[static_cast<std::size_t>(part)] % groups == group) parts_.push_back(part);
-        members_.make_rows(parts_, share_, copies_);
+        members_.make_rows(parts_, local_, copies_);
         list_leaving();
         mine_.clear();
         for (std::size_t m = static_cast<std::size_t>(group); m < all_mine_.size();
@@ -71,17 +71,17 @@ void Delivery::run_group(int group, int groups, FunctionRef<void(std::int64_t by
             mine_.push_back(&all_mine_[m]);
     });
     exchange_counts();
-    check_(Phase::room, [&] {
+    check_(Phase::memory, [&] {
         room(bytes_coming());
         reserve();
     });
     exchange_news();
-    check_(Phase::room, [&] {
+    check_(Phase::memory, [&] {
         for (std::size_t m = 0; m < mine_.size(); ++m)
             if (!news_[m].empty()) mine_[m]->take(news_[m]);
         news_.clear();
     });
-    const PreparedScene& scene = share_.scene();
+    const PreparedScene& scene = local_.scene();
     const auto exchange = [&](const VertexReader& reader, bool at_end) {
         what_.float32 ? exchange_coordinates<float>(reader, at_end) : exchange_coordinates<double>(reader, at_end);
     };
@@ -102,14 +102,14 @@ void Delivery::list_leaving() {
 void Delivery::exchange_counts() {
     Traffic traffic(ranks_);
     for (const Leaving& some : leaving_) ++traffic.out[static_cast<std::size_t>(some.rank)];
-    rounds_.transport().all_to_all(traffic.out, traffic.in);
+    batches_.transport().all_to_all(traffic.out, traffic.in);
     check_(Phase::members, [&] {
         coming_.clear();
         coming_.reserve(all(traffic.in));
     });
     const auto first = first_of_each(traffic.out);
     // Each message batch appends rows of all ranks, so the rows of one rank are contiguous only after the sort below.
-    rounds_.exchange<CountsRow>(
+    batches_.exchange<CountsRow>(
         traffic,
         [&](int rank, std::int64_t begin, std::span<CountsRow> rows) {
             const auto at = static_cast<std::size_t>(first[static_cast<std::size_t>(rank)] + begin);
@@ -171,7 +171,7 @@ void Delivery::stream(Count count, Pack pack, Unpack unpack) {
     for (const Leaving& some : leaving_) add(some, out, traffic.out);
     for (const Coming& some : coming_) add(some, in, traffic.in);
     const auto first_out = first_of_each(traffic.out), first_in = first_of_each(traffic.in);
-    rounds_.exchange<Row>(
+    batches_.exchange<Row>(
         traffic,
         [&](int rank, std::int64_t first, std::span<Row> rows) {
             out.visit(first_out[static_cast<std::size_t>(rank)] + first, rows.size(),

@@ -24,7 +24,7 @@ class Delivery {
     /// `mine`: the parts that this rank owns, ascending. `depth`: number of levels of clusters, and so of masks per
     /// triangle.
     Delivery(MessageBatches& batches, CollectiveCheck& agree, const Owners& owners, RankMembers& members,
-             const RankMesh& share, const GhostVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
+             const RankMesh& local, const GhostVertices& copies, std::vector<AssembledPart>& mine, std::size_t depth);
 
     /// Contents of a delivery. `features`: includes features that triangles own. `moving`: includes end positions.
     struct What {
@@ -73,11 +73,11 @@ class Delivery {
     template <class Element, class Count, class List>
     void stream_list(Count count, std::int64_t each, List list);
 
-    MessageBatches& rounds_;
+    MessageBatches& batches_;
     CollectiveCheck& check_;
     const Owners& owners_;
     RankMembers& members_;
-    const RankMesh& share_;
+    const RankMesh& local_;
     const GhostVertices& copies_;
     std::vector<AssembledPart>& all_mine_;
     std::int64_t depth_;

@@ -217,7 +217,7 @@ bool Devices::any(const PreparedScene& scene, const IntersectionQuery& query) {
     return found;
 }
 
-// Runs find(rank, share) on each rank and merges the results. Returns the result of rank 0.
+// Runs find(rank, local) on each rank and merges the results. Returns the result of rank 0.
 template <class Find>
 const auto& Devices::find_on_devices(const PreparedScene& scene, FeatureResult& result, bool listed, Find find) {
     using Found = std::remove_cvref_t<std::invoke_result_t<Find, Rank&, const LocalMesh&>>;
@@ -239,8 +239,8 @@ void Devices::find(const PreparedScene& scene, const FeatureRequest& request, Fe
         const ImpactQuery query = motion_of(request);
         result.first = find_on_devices(
                            scene, result, listed,
-                           [&](Rank & rank, const LocalMesh& share) -> auto& {
-                               LocalMesh moving = share;
+                           [&](Rank & rank, const LocalMesh& local) -> auto& {
+                               LocalMesh moving = local;
                                moving.mesh.end = rank.block.end();
                                return rank.detector.find(moving, query);
                            })
@@ -249,7 +249,7 @@ void Devices::find(const PreparedScene& scene, const FeatureRequest& request, Fe
         const ProximityQuery query = near_of(request);
         find_on_devices(
             scene, result,
-            listed, [&](Rank & rank, const LocalMesh& share) -> auto& { return rank.detector.find(share, query); });
+            listed, [&](Rank & rank, const LocalMesh& local) -> auto& { return rank.detector.find(local, query); });
     }
 }
 

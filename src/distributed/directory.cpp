@@ -27,7 +27,7 @@ Traffic traffic_of(MessageBatches& batches, const ByDirectoryRank& elements) {
 // Sends ids to their directory ranks. Fills the last argument with the ids that all ranks send to this one, in the
 // order of the ranks.
 void exchange_ids(MessageBatches& batches, const ByDirectoryRank& elements, const Ids& ids, const Traffic& traffic,
-                  const std::vector<std::int64_t>& from, std::vector<std::int32_t>& told) {
+                  const std::vector<std::int64_t>& from, std::vector<std::int32_t>& received) {
     batches.exchange<std::int32_t>(
         traffic,
         [&](int rank, std::int64_t first, std::span<std::int32_t> rows) {
@@ -36,7 +36,7 @@ void exchange_ids(MessageBatches& batches, const ByDirectoryRank& elements, cons
         },
         [&](int rank, std::int64_t first, std::span<const std::int32_t> rows) {
             std::copy(rows.begin(), rows.end(),
-                      told.begin() + static_cast<std::ptrdiff_t>(from[static_cast<std::size_t>(rank)] + first));
+                      received.begin() + static_cast<std::ptrdiff_t>(from[static_cast<std::size_t>(rank)] + first));
         });
 }
 
@@ -74,20 +74,20 @@ void check_each_once(MessageBatches& batches, CollectiveCheck& agree, const Ids&
     agree(Phase::ids, [&] { elements = ByDirectoryRank(ids, count, nullptr, ranks); });
     const Traffic traffic = traffic_of(batches, elements);
     const std::vector<std::int64_t> from = first_of_each(traffic.in);
-    std::vector<std::int32_t> told, seen;
+    std::vector<std::int32_t> received, seen;
     const std::int64_t per = ByDirectoryRank::block(ids.all, ranks), begin = per * batches.transport().rank();
     agree(Phase::ids, [&] {
-        told.resize(static_cast<std::size_t>(from.back()));
+        received.resize(static_cast<std::size_t>(from.back()));
         seen.assign(static_cast<std::size_t>(per), -1);
     });
-    exchange_ids(batches, elements, ids, traffic, from, told);
+    exchange_ids(batches, elements, ids, traffic, from, received);
     agree(Phase::ids, [&] {
         std::int64_t twice = ids.all;
         std::array<int, 2> by{};
-        for (std::size_t i = 0; i < told.size(); ++i) {
-            std::int32_t& first = seen[static_cast<std::size_t>(told[i] - begin)];
-            if (first >= 0 && told[i] < twice)
-                twice = told[i], by = {rank_of_row(from, first), rank_of_row(from, static_cast<std::int64_t>(i))};
+        for (std::size_t i = 0; i < received.size(); ++i) {
+            std::int32_t& first = seen[static_cast<std::size_t>(received[i] - begin)];
+            if (first >= 0 && received[i] < twice)
+                twice = received[i], by = {rank_of_row(from, first), rank_of_row(from, static_cast<std::int64_t>(i))};
             if (first < 0) first = static_cast<std::int32_t>(i);
         }
         if (twice < ids.all)
@@ -110,16 +110,16 @@ void GhostVertices::learn(MessageBatches& batches, CollectiveCheck& agree, const
     agree(Phase::ids, [&] { all = ByDirectoryRank(ids, count, nullptr, ranks); });
     const Traffic traffic = traffic_of(batches, all);
     const std::vector<std::int64_t> from = first_of_each(traffic.in);
-    std::vector<std::int32_t> told, ranks_with;
+    std::vector<std::int32_t> received, ranks_with;
     std::vector<std::uint8_t> flags;
     agree(Phase::ids, [&] {
-        told.resize(static_cast<std::size_t>(from.back()));
+        received.resize(static_cast<std::size_t>(from.back()));
         ranks_with.assign(static_cast<std::size_t>(block_size_), 0);
         shared_.assign(static_cast<std::size_t>(count), 0);
     });
-    exchange_ids(batches, all, ids, traffic, from, told);
+    exchange_ids(batches, all, ids, traffic, from, received);
     agree(Phase::ids, [&] {
-        for (const std::int32_t id : told) ++ranks_with[static_cast<std::size_t>(id - block_begin_)];
+        for (const std::int32_t id : received) ++ranks_with[static_cast<std::size_t>(id - block_begin_)];
         const std::int64_t end = std::min(block_size_, ids.all - block_begin_);
         for (std::int64_t i = 0; i < end; ++i)
             if (ranks_with[static_cast<std::size_t>(i)] == 0)
@@ -133,7 +133,7 @@ void GhostVertices::learn(MessageBatches& batches, CollectiveCheck& agree, const
         [&](int rank, std::int64_t first, std::span<std::uint8_t> rows) {
             const std::int64_t begin = from[static_cast<std::size_t>(rank)] + first;
             for (std::size_t i = 0; i < rows.size(); ++i) {
-                const std::int32_t id = told[static_cast<std::size_t>(begin) + i];
+                const std::int32_t id = received[static_cast<std::size_t>(begin) + i];
                 rows[i] = ranks_with[static_cast<std::size_t>(id - block_begin_)] > 1;
             }
         },

@@ -19,11 +19,11 @@ struct Numbered {
     std::int32_t edge, owned;
 };
 
-// Sends row(element) for each element to its directory rank, calls answer(rows) there with all received rows, and sends
-// reply(index of the received row) back, which take(element, reply) consumes. Collective.
-template <class Row, class Reply, class MakeRow, class Answer, class MakeReply, class Take>
+// Sends row(element) for each element to its directory rank, calls consume(rows) there with all received rows, and
+// sends reply(index of the received row) back, which take(element, reply) consumes. Collective.
+template <class Row, class Reply, class MakeRow, class Consume, class MakeReply, class Take>
 void query_directory_ranks(MessageBatches& batches, CollectiveCheck& agree, const std::vector<std::int64_t>& first,
-                           const std::vector<std::int32_t>& elements, MakeRow row, Answer answer, MakeReply reply,
+                           const std::vector<std::int32_t>& elements, MakeRow row, Consume consume, MakeReply reply,
                            Take take) {
     Traffic there(batches.transport().size());
     for (std::size_t r = 0; r < there.out.size(); ++r) there.out[r] = first[r + 1] - first[r];
@@ -47,7 +47,7 @@ void query_directory_ranks(MessageBatches& batches, CollectiveCheck& agree, cons
         [&](int rank, std::int64_t begin, std::span<const Row> some) {
             std::copy(some.begin(), some.end(), rows.begin() + static_cast<std::ptrdiff_t>(place(rank, begin)));
         });
-    answer(rows);
+    consume(rows);
     Traffic back(batches.transport().size());
     back.out = there.in, back.in = there.out;
     batches.exchange<Reply>(
@@ -63,23 +63,23 @@ void query_directory_ranks(MessageBatches& batches, CollectiveCheck& agree, cons
 
 }  // namespace
 
-void FeatureOwners::learn(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share,
+void FeatureOwners::learn(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& local,
                           const GhostVertices& copies) {
     known_ = false;
-    agree(Phase::ids, [&] { of_.assign(static_cast<std::size_t>(share.scene().triangle_count()), {}); });
-    own_vertices(batches, agree, share, copies);
-    own_edges(batches, agree, share);
+    agree(Phase::ids, [&] { of_.assign(static_cast<std::size_t>(local.scene().triangle_count()), {}); });
+    own_vertices(batches, agree, local, copies);
+    own_edges(batches, agree, local);
     known_ = true;
 }
 
 // Finds the lowest triangle at each vertex. Only ghost vertices need the directory: all triangles at any other vertex
 // are on this rank.
-void FeatureOwners::own_vertices(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share,
+void FeatureOwners::own_vertices(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& local,
                                  const GhostVertices& copies) {
     struct Least {
         std::int32_t vertex, triangle;
     };
-    const PreparedScene& scene = share.scene();
+    const PreparedScene& scene = local.scene();
     const std::int64_t n = scene.vertex_count(), m = scene.triangle_count();
     std::vector<std::int32_t> least;
     ByDirectoryRank shared;
@@ -87,26 +87,26 @@ void FeatureOwners::own_vertices(MessageBatches& batches, CollectiveCheck& agree
         least.assign(static_cast<std::size_t>(n), nobody);
         for (std::int64_t i = 0; i < 3 * m; ++i) {
             std::int32_t& of = least[static_cast<std::size_t>(scene.corners[i])];
-            of = std::min(of, share.triangles()(i / 3));
+            of = std::min(of, local.triangles()(i / 3));
         }
         std::vector<std::uint8_t> chosen(static_cast<std::size_t>(n), 0);
         for (std::int64_t v = 0; v < n; ++v)
             chosen[static_cast<std::size_t>(v)] = copies.shared(static_cast<std::int32_t>(v));
-        shared = ByDirectoryRank(share.vertices(), n, &chosen, batches.transport().size());
+        shared = ByDirectoryRank(local.vertices(), n, &chosen, batches.transport().size());
     });
     if (copies.any()) {
         const std::int64_t begin =
-            ByDirectoryRank::block(share.vertices().all, batches.transport().size()) * batches.transport().rank();
+            ByDirectoryRank::block(local.vertices().all, batches.transport().size()) * batches.transport().rank();
         std::vector<std::int32_t> of_block, block_of_row;
         query_directory_ranks<Least, std::int32_t>(
             batches, agree, shared.first, shared.element,
             [&](std::int32_t v) {
-                return Least{share.vertices()(v), least[static_cast<std::size_t>(v)]};
+                return Least{local.vertices()(v), least[static_cast<std::size_t>(v)]};
             },
             [&](const std::vector<Least>& rows) {
                 agree(Phase::ids, [&] {
                     of_block.assign(static_cast<std::size_t>(
-                                        ByDirectoryRank::block(share.vertices().all, batches.transport().size())),
+                                        ByDirectoryRank::block(local.vertices().all, batches.transport().size())),
                                     nobody);
                     for (const Least& row : rows) {
                         block_of_row.push_back(static_cast<std::int32_t>(row.vertex - begin));
@@ -122,23 +122,23 @@ void FeatureOwners::own_vertices(MessageBatches& batches, CollectiveCheck& agree
         for (int k = 0; k < 3; ++k) {
             const std::int32_t* c = scene.corners + 3 * t;
             // Compares ids, since a rank may list a vertex twice.
-            const auto id = [&](int corner) { return share.vertices()(c[corner]); };
+            const auto id = [&](int corner) { return local.vertices()(c[corner]); };
             const bool again = (k > 0 && id(k) == id(0)) || (k > 1 && id(k) == id(1));
-            if (!again && least[static_cast<std::size_t>(c[k])] == share.triangles()(t))
+            if (!again && least[static_cast<std::size_t>(c[k])] == local.triangles()(t))
                 of_[static_cast<std::size_t>(t)].owned |= 1 << k;
         }
 }
 
-void FeatureOwners::own_edges(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share) {
-    const PreparedScene& scene = share.scene();
+void FeatureOwners::own_edges(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& local) {
+    const PreparedScene& scene = local.scene();
     const int ranks = batches.transport().size();
     const std::int64_t m = scene.triangle_count(),
-                       per = std::max<std::int64_t>(1, ByDirectoryRank::block(share.vertices().all, ranks));
+                       per = std::max<std::int64_t>(1, ByDirectoryRank::block(local.vertices().all, ranks));
     const auto side_of = [&](std::int32_t slot) {
         const std::int32_t t = slot / 3, k = slot % 3;
-        const std::int32_t a = share.vertices()(scene.corners[3 * std::int64_t{t} + k]),
-                           b = share.vertices()(scene.corners[3 * std::int64_t{t} + (k + 1) % 3]);
-        return TriangleSide{std::min(a, b), std::max(a, b), share.triangles()(t), k};
+        const std::int32_t a = local.vertices()(scene.corners[3 * std::int64_t{t} + k]),
+                           b = local.vertices()(scene.corners[3 * std::int64_t{t} + (k + 1) % 3]);
+        return TriangleSide{std::min(a, b), std::max(a, b), local.triangles()(t), k};
     };
     std::vector<std::int64_t> first;
     std::vector<std::int32_t> slots;

@@ -24,15 +24,15 @@ struct OwnedFeatures {
 
 class FeatureOwners {
    public:
-    void learn(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share, const GhostVertices& copies);
+    void learn(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& local, const GhostVertices& copies);
     bool known() const { return known_; }
     void forget() { *this = {}; }
     const OwnedFeatures& of(std::int64_t triangle) const { return of_[static_cast<std::size_t>(triangle)]; }
 
    private:
-    void own_vertices(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share,
+    void own_vertices(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& local,
                       const GhostVertices& copies);
-    void own_edges(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share);
+    void own_edges(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& local);
 
     bool known_ = false;
     std::vector<OwnedFeatures> of_;  ///< 1 per local triangle

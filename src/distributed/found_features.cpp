@@ -7,8 +7,8 @@
 
 namespace crumple::distribute {
 
-template <class Answer, class Fill>
-void FoundFeatures::add_rows(const FeatureAssembly& part, const Answer& found, Fill fill) {
+template <class Result, class Fill>
+void FoundFeatures::add_rows(const FeatureAssembly& part, const Result& found, Fill fill) {
     for (std::size_t k = 0; k < kinds; ++k) {
         const bool edges = static_cast<FeatureKind>(k) == FeatureKind::edge_edge;
         const auto& list = found.lists[k];

@@ -39,8 +39,8 @@ class FoundFeatures {
     };
     using Rows = std::array<std::vector<Row>, kinds>;
 
-    template <class Answer, class Fill>
-    void add_rows(const FeatureAssembly& part, const Answer& found, Fill fill);
+    template <class Result, class Fill>
+    void add_rows(const FeatureAssembly& part, const Result& found, Fill fill);
     template <class Result, class Write>
     void exchange_rows(MessageBatches& batches, CollectiveCheck& agree, Result& result, Write write);
 

@@ -41,9 +41,9 @@ void RankMembers::forget() {
     entries_at_first_ = 0;
 }
 
-void RankMembers::update(const RankMesh& share, const PartLayout& layout, ParallelFor& workers) {
+void RankMembers::update(const RankMesh& local, const PartLayout& layout, ParallelFor& workers) {
     const auto parts = static_cast<std::size_t>(layout.parts());
-    const auto triangles = static_cast<std::size_t>(share.scene().triangle_count());
+    const auto triangles = static_cast<std::size_t>(local.scene().triangle_count());
     depth_ = static_cast<std::size_t>(layout.tree().depth);
     entries_.resize(triangles);
     slack_.resize(triangles, -1.0f);
@@ -53,12 +53,12 @@ void RankMembers::update(const RankMesh& share, const PartLayout& layout, Parall
     delta_.resize(parts);
     list_.resize(parts);
     send_whole_.resize(parts, 0);
-    measure_steps(share, layout, workers);
+    measure_steps(local, layout, workers);
 
     const std::size_t slices = std::clamp<std::size_t>(triangles / 4096, 1, 256);
     std::vector<Found> found(slices);
     workers.parallel_for(slices, [&](std::size_t s) {
-        found[s] = find_entries(share, layout, static_cast<std::int64_t>(s * triangles / slices),
+        found[s] = find_entries(local, layout, static_cast<std::int64_t>(s * triangles / slices),
                                 static_cast<std::int64_t>((s + 1) * triangles / slices));
     });
     for (Found& slice : found) {
@@ -77,8 +77,8 @@ void RankMembers::update(const RankMesh& share, const PartLayout& layout, Parall
 
 // Measures how far each vertex has moved since the previous call (step_): the larger of the distances that its start
 // and its end position have moved. Distances are in normalised coordinates, as those of slack_ are.
-void RankMembers::measure_steps(const RankMesh& share, const PartLayout& layout, ParallelFor& workers) {
-    const PreparedScene& scene = share.scene();
+void RankMembers::measure_steps(const RankMesh& local, const PartLayout& layout, ParallelFor& workers) {
+    const PreparedScene& scene = local.scene();
     step_.assign(static_cast<std::size_t>(scene.vertex_count()), 0);
     measure_steps(scene.reader[0], layout.normaliser(), before_, workers);
     if (scene.moving) measure_steps(scene.end, layout.normaliser(), before_at_end_, workers);
@@ -114,16 +114,16 @@ bool RankMembers::may_have_reached_a_part(const PreparedScene& scene, std::int64
     return !(slack > 0);
 }
 
-RankMembers::Found RankMembers::find_entries(const RankMesh& share, const PartLayout& layout, std::int64_t begin,
+RankMembers::Found RankMembers::find_entries(const RankMesh& local, const PartLayout& layout, std::int64_t begin,
                                              std::int64_t end) {
     Found found;
     const PartTree tree = layout.tree();
     for (std::int64_t t = begin; t < end; ++t) {
-        if (!may_have_reached_a_part(share.scene(), t)) continue;
+        if (!may_have_reached_a_part(local.scene(), t)) continue;
         double slack = std::numeric_limits<float>::max();
         std::int32_t count = 0;
         tree.for_each_part(
-            layout.ball(share.scene(), t),
+            layout.ball(local.scene(), t),
             [&](std::int32_t part, const std::uint64_t* masks) {
                 ++count;
                 found.part.push_back(part);
@@ -189,7 +189,7 @@ std::int64_t RankMembers::bytes_of_changes() {
     return static_cast<std::int64_t>(rows * (sizeof(MemberRow) + depth_ * sizeof(std::uint64_t)));
 }
 
-void RankMembers::make_rows(std::span<const std::int32_t> parts, const RankMesh& share, const GhostVertices& copies) {
+void RankMembers::make_rows(std::span<const std::int32_t> parts, const RankMesh& local, const GhostVertices& copies) {
     Places places;
     const auto put_masks = [&](std::int32_t part, std::int32_t triangle, std::vector<std::uint64_t>& to) {
         const Entries& entries = entries_[static_cast<std::size_t>(triangle)];
@@ -203,14 +203,14 @@ void RankMembers::make_rows(std::span<const std::int32_t> parts, const RankMesh&
         Changes& changes = changes_[k];
         PartDelta& delta = delta_[k];
         delta = {};
-        for (const std::int32_t t : changes.removed) delta.removed.push_back(share.triangles()(t));
+        for (const std::int32_t t : changes.removed) delta.removed.push_back(local.triangles()(t));
         for (const std::int32_t t : changes.changed) {
-            delta.changed.push_back(share.triangles()(t));
+            delta.changed.push_back(local.triangles()(t));
             put_masks(part, t, delta.changed_masks);
         }
         delta.added_masks.reserve(depth_ * changes.added.size());
         for (const std::int32_t t : changes.added) put_masks(part, t, delta.added_masks);
-        number_corners(k, share, copies, places);
+        number_corners(k, local, copies, places);
         changes = {};
     }
 }
@@ -228,10 +228,10 @@ void RankMembers::send_some_whole() {
     std::fill(send_whole_.begin(), send_whole_.end(), std::uint8_t{0});
 }
 
-void RankMembers::number_corners(std::size_t k, const RankMesh& share, const GhostVertices& copies, Places& places) {
+void RankMembers::number_corners(std::size_t k, const RankMesh& local, const GhostVertices& copies, Places& places) {
     const std::vector<std::int32_t>& triangles = changes_[k].added;
     if (triangles.empty()) return;
-    const PreparedScene& scene = share.scene();
+    const PreparedScene& scene = local.scene();
     std::vector<std::int32_t>&place = places.place, &stamp = places.stamp;
     place.resize(static_cast<std::size_t>(scene.vertex_count()));
     stamp.resize(place.size(), -1);
@@ -246,13 +246,13 @@ void RankMembers::number_corners(std::size_t k, const RankMesh& share, const Gho
     const bool first = list.empty();
     delta.added.reserve(triangles.size());
     for (const std::int32_t t : triangles) {
-        MemberRow row{share.triangles()(t), scene.group(t), {}};
+        MemberRow row{local.triangles()(t), scene.group(t), {}};
         for (std::size_t c = 0; c < 3; ++c) {
             const std::int32_t v = scene.corners[3 * std::int64_t{t} + static_cast<std::int64_t>(c)];
             if (stamp[static_cast<std::size_t>(v)] != part) {
                 set(v, list.size());
                 list.push_back(v);
-                delta.vertices.push_back(copies.shared(v) ? share.vertices()(v) : -1 - share.vertices()(v));
+                delta.vertices.push_back(copies.shared(v) ? local.vertices()(v) : -1 - local.vertices()(v));
             }
             row.corners[c] = place[static_cast<std::size_t>(v)];
         }

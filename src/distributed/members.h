@@ -60,7 +60,7 @@ struct PartDelta {
 class RankMembers {
    public:
     /// Finds what has changed since the previous call; after forget(), everything counts as changed.
-    void update(const RankMesh& share, const PartLayout& layout, ParallelFor& workers);
+    void update(const RankMesh& local, const PartLayout& layout, ParallelFor& workers);
     /// Sets the features to be sent with the triangles that own them, for queries about features; null for other
     /// queries.
     void set_features(const FeatureOwners* features) { features_ = features; }
@@ -76,7 +76,7 @@ class RankMembers {
     /// bytes.
     std::int64_t bytes_of_changes();
     /// Makes the deltas of these parts.
-    void make_rows(std::span<const std::int32_t> parts, const RankMesh& share, const GhostVertices& copies);
+    void make_rows(std::span<const std::int32_t> parts, const RankMesh& local, const GhostVertices& copies);
 
     PartDelta& delta(std::int32_t part) { return delta_[static_cast<std::size_t>(part)]; }
     DeltaCounts counts_of_delta(std::int32_t part) const;
@@ -108,18 +108,18 @@ class RankMembers {
         std::size_t at_first = 0;
     };
 
-    void measure_steps(const RankMesh& share, const PartLayout& layout, ParallelFor& workers);
+    void measure_steps(const RankMesh& local, const PartLayout& layout, ParallelFor& workers);
     void measure_steps(const VertexReader& reader, const Normaliser& normalise, Coordinates& before,
                        ParallelFor& workers);
     bool may_have_reached_a_part(const PreparedScene& scene, std::int64_t t);
-    Found find_entries(const RankMesh& share, const PartLayout& layout, std::int64_t begin, std::int64_t end);
+    Found find_entries(const RankMesh& local, const PartLayout& layout, std::int64_t begin, std::int64_t end);
     void take(std::int32_t triangle, std::span<const std::int32_t> parts, std::span<const std::uint64_t> masks);
     void send_some_whole();
     /// Index of each vertex in the list of the current part; valid if the vertex's stamp is that part.
     struct Places {
         std::vector<std::int32_t> place, stamp;
     };
-    void number_corners(std::size_t part, const RankMesh& share, const GhostVertices& copies, Places& places);
+    void number_corners(std::size_t part, const RankMesh& local, const GhostVertices& copies, Places& places);
     std::span<const std::uint64_t> masks(std::size_t entry) const { return {masks_.data() + depth_ * entry, depth_}; }
 
     /// Local triangles that leave a part, whose masks change, or that enter it; ascending.

@@ -29,7 +29,7 @@ Box widened(const Box& box) {
 
 }  // namespace
 
-void PartLayout::make(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share, int parts, const Box& box,
+void PartLayout::make(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& local, int parts, const Box& box,
                       ParallelFor& workers) {
     Transport& transport = batches.transport();
     constexpr int root = 0;
@@ -37,17 +37,17 @@ void PartLayout::make(MessageBatches& batches, CollectiveCheck& agree, const Ran
     reach_ = widened(box);
     parts_ = parts;
     normalise_ = Normaliser(reach_.low, reach_.high);
-    const std::int64_t all = share.triangles().all;
+    const std::int64_t all = local.triangles().all;
     std::vector<SampleRow> mine;
     std::optional<PartSample> sample;
     agree(Phase::place, [&] {
         sample.emplace(all, parts);
         const auto size = static_cast<std::int64_t>(sample->size());
-        for (std::int64_t t = 0; t < share.scene().triangle_count(); ++t) {
-            const std::int64_t id = share.triangles()(t), i = (id * size + all - 1) / all;
+        for (std::int64_t t = 0; t < local.scene().triangle_count(); ++t) {
+            const std::int64_t id = local.triangles()(t), i = (id * size + all - 1) / all;
             if (i < size && sample->triangle(static_cast<std::size_t>(i)) == id)
                 mine.push_back(
-                    {static_cast<std::int32_t>(i), PartSample::centroid(share.scene().triangle(t), normalise_)});
+                    {static_cast<std::int32_t>(i), PartSample::centroid(local.scene().triangle(t), normalise_)});
         }
     });
     Traffic traffic(transport.size());

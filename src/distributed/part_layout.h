@@ -30,7 +30,7 @@ struct Box {
 class PartLayout {
    public:
     /// Makes the centres of `parts` parts of the scene, which lies in `box`. Collective.
-    void make(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& share, int parts, const Box& box,
+    void make(MessageBatches& batches, CollectiveCheck& agree, const RankMesh& local, int parts, const Box& box,
               ParallelFor& workers);
     void forget() { centres_.reset(); }
 

@@ -33,16 +33,16 @@ bool PartSearch::any(const Part& part, const IntersectionQuery& query, std::uniq
     return found;
 }
 
-template <class Query, class Answer>
-const Answer& PartSearch::find_features(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
-                                        std::stop_token stop, Answer& answer) {
+template <class Query, class Result>
+const Result& PartSearch::find_features(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
+                                        std::stop_token stop, Result& result) {
     bool low_memory = false;
-    const auto attempt = [&] { features.find(*backend, part, query, low_memory, answer); };
+    const auto attempt = [&] { features.find(*backend, part, query, low_memory, result); };
     backend->swap_memory(memory);
     run(std::move(stop), attempt, [&](std::int64_t) { return low_memory = true; });
     backend->swap_memory(memory);
-    answer.statistics.peak_memory_bytes = meter.peak;
-    return answer;
+    result.statistics.peak_memory_bytes = meter.peak;
+    return result;
 }
 
 const Impacts& PartSearch::find(const Part& part, const ImpactQuery& query, std::unique_ptr<SceneMemory>& memory,

@@ -54,9 +54,9 @@ class PartSearch : private WorldCalls {
     void release() { free_caches(); }
 
    private:
-    template <class Query, class Answer>
-    const Answer& find_features(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
-                                std::stop_token stop, Answer& answer);
+    template <class Query, class Result>
+    const Result& find_features(const Part& part, const Query& query, std::unique_ptr<SceneMemory>& memory,
+                                std::stop_token stop, Result& result);
     template <class Work>
     void guarded(const Part& part, const IntersectionQuery& query, std::unique_ptr<SceneMemory>& memory,
                  std::stop_token stop, Work work);

@@ -80,16 +80,16 @@ void Bodies::fail_with_id(const Error& error, std::int64_t body, std::int64_t id
     throw Error(error.code, message, Element::body, id);
 }
 
-void Bodies::outline(const LocalWorld& share, const PairFilter& rules, bool moving) {
-    given_ = share.body_ids;
-    name_bodies_by_id([&] { outline_share(share, rules); });
+void Bodies::outline(const LocalWorld& local, const PairFilter& rules, bool moving) {
+    given_ = local.body_ids;
+    name_bodies_by_id([&] { outline_local(local, rules); });
     reserve_mesh(moving);
 }
 
-void Bodies::outline_whole(const LocalWorld& share, const PairFilter& rules) {
-    given_ = share.body_ids;
-    name_bodies_by_id([&] { outline_share(share, rules); });
-    share_ = {};
+void Bodies::outline_whole(const LocalWorld& local, const PairFilter& rules) {
+    given_ = local.body_ids;
+    name_bodies_by_id([&] { outline_local(local, rules); });
+    local_ = {};
     end_view_ = {};
 }
 
@@ -105,12 +105,12 @@ void Bodies::name_bodies_by_id(Read read) {
     }
 }
 
-void Bodies::outline_share(const LocalWorld& share, const PairFilter& rules) {
+void Bodies::outline_local(const LocalWorld& local, const PairFilter& rules) {
     // The outline does not get the excluded pairs of bodies, because they have numbers over all ranks.
-    check(!lies_on_device(share.world), "poses must be in host memory: ranks do not support poses in device memory");
+    check(!lies_on_device(local.world), "poses must be in host memory: ranks do not support poses in device memory");
     PairFilter known;
     known.bodies = rules.bodies, known.groups = rules.groups;
-    outline_.read(share.world, known);
+    outline_.read(local.world, known);
     rules_ = rules;
     by_groups_ = rules.groups != PairScope::both || !rules.excluded_groups.empty();
     const std::int32_t bodies = outline_.bodies();
@@ -142,8 +142,8 @@ void Bodies::reserve_mesh(bool moving) {
     groups_.resize(m);
     triangle_ids_.resize(m);
     vertex_ids_.resize(static_cast<std::size_t>(vertices));
-    share_.mesh = MeshView(view_of(start_), rows_of_three(corners_.data(), triangles), groups_);
-    share_.triangle_ids = triangle_ids_, share_.vertex_ids = vertex_ids_;
+    local_.mesh = MeshView(view_of(start_), rows_of_three(corners_.data(), triangles), groups_);
+    local_.triangle_ids = triangle_ids_, local_.vertex_ids = vertex_ids_;
     end_view_ = view_of(end_);
 }
 

@@ -30,7 +30,7 @@ class Bodies {
     /// Checks everything but coordinates, and resizes the arrays of the local mesh. `moving`: true if it has end
     /// positions. Throws Error if the input is invalid or not supported on ranks; errors name a body by its id, if ids
     /// are given.
-    void outline(const LocalWorld& share, const PairFilter& rules, bool moving);
+    void outline(const LocalWorld& local, const PairFilter& rules, bool moving);
     /// Checks that each body occurs once, and sets ids and groups of the local mesh. Collective. Throws the same Error
     /// on all ranks.
     void number(Transport& transport, CollectiveCheck& agree);
@@ -38,9 +38,9 @@ class Bodies {
     void pose(ParallelFor& workers);
     /// Counts the edges of each body, by the triangles that own them. Collective.
     void count_edges(Transport& transport, CollectiveCheck& agree, const FeatureOwners& features);
-    /// As outline() and number(), for bodies that stay whole: makes no local mesh, and share() is empty. Their pair
-    /// filter may refer to bodies and groups.
-    void outline_whole(const LocalWorld& share, const PairFilter& rules);
+    /// As outline() and number(), for bodies that stay whole: makes no local mesh, and local_mesh() is empty. Their
+    /// pair filter may refer to bodies and groups.
+    void outline_whole(const LocalWorld& local, const PairFilter& rules);
     void number_whole(Transport& transport, CollectiveCheck& agree);
     /// Checks coordinates and indices of the shapes of whole bodies. Throws Error (Element::body, by its id).
     void check_whole() const;
@@ -49,7 +49,7 @@ class Bodies {
     void forget();
 
     /// Local mesh and its end positions: views of arrays that number() and pose() fill in.
-    const LocalMesh& share() const { return share_; }
+    const LocalMesh& local_mesh() const { return local_; }
     const VertexView& end() const { return end_view_; }
     /// Returns the pair filter of the world, converted to one of the local mesh's groups.
     const PairFilter& rules() const { return group_filter_; }
@@ -90,7 +90,7 @@ class Bodies {
     }
     /// Throws an error about one of this rank's bodies with the body's id.
     [[noreturn]] static void fail_with_id(const Error& error, std::int64_t body, std::int64_t id);
-    void outline_share(const LocalWorld& share, const PairFilter& rules);
+    void outline_local(const LocalWorld& local, const PairFilter& rules);
     template <class Read>
     void name_bodies_by_id(Read read);
     void reserve_mesh(bool moving);
@@ -112,7 +112,7 @@ class Bodies {
     std::vector<std::int64_t> first_triangle_, first_vertex_, first_edge_;  ///< 1 per body, then the end
     std::vector<std::pair<std::int64_t, Row>> kept_;                        ///< this rank's rows, each with its body id
 
-    LocalMesh share_;
+    LocalMesh local_;
     VertexView end_view_;
     Coordinates start_, end_;
     std::vector<std::int32_t> corners_, groups_;

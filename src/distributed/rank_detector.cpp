@@ -34,10 +34,10 @@ double time_of_day() {
 RankDetector::RankDetector(Transport& transport, const DistributedOptions& options)
     : transport_(transport),
       options_(options),
-      rounds_(transport, std::max<std::int64_t>(options.batch_bytes, 1024)),
+      batches_(transport, std::max<std::int64_t>(options.batch_bytes, 1024)),
       check_(transport),
       clock_(time_of_day),
-      share_(nullptr) {
+      local_(nullptr) {
     check_(Phase::query, [&] {
         check(options.parts >= 0 && options.parts <= max_parts, "parts must be 0 (automatic) to 262144");
         check(options.batch_bytes >= 1024, "batch_bytes must be at least 1024");
@@ -45,7 +45,7 @@ RankDetector::RankDetector(Transport& transport, const DistributedOptions& optio
         check(options.detector.method.membership == Membership::ball,
               "the membership rule must be ball: results of ranks could not say that pairs may be missing");
         engine_.emplace(options_.detector);
-        rounds_.reserve();
+        batches_.reserve();
     });
     check_.before = [&](Phase phase) {
         statistics_[phase_] += watch_.lap();
@@ -61,7 +61,7 @@ RankDetector::~RankDetector() = default;
 void RankDetector::set_poll(std::function<void()> poll) { engine_->set_poll(std::move(poll)); }
 
 // Shows each phase once: a phase has many collective error checks, and if deltas are sent in groups, Phase::members and
-// Phase::room alternate.
+// Phase::memory alternate.
 void RankDetector::show_phase(Phase phase) {
     if (shown_ && phase <= *shown_) return;
     shown_ = phase;
@@ -74,7 +74,7 @@ void RankDetector::guard(std::stop_token stop, FunctionRef<void()> phases) {
     watch_.lap();
     stop_ = std::move(stop);
     statistics_ = {};
-    rounds_.reset_counts();
+    batches_.reset_counts();
     phase_ = Phase::query;
     shown_.reset();
     try {
@@ -85,20 +85,20 @@ void RankDetector::guard(std::stop_token stop, FunctionRef<void()> phases) {
     }
     statistics_[phase_] += watch_.lap();
     statistics_.milliseconds = whole.lap();
-    statistics_.bytes_sent = rounds_.bytes_sent();
-    statistics_.messages = rounds_.messages();
+    statistics_.bytes_sent = batches_.bytes_sent();
+    statistics_.messages = batches_.messages();
 }
 
-void RankDetector::answer(const LocalMesh& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
-                          FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work) {
+void RankDetector::run(const LocalMesh& local, const VertexView* end, FunctionRef<ComparedQuery()> make_query,
+                       FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work) {
     guard(std::move(stop), [&] {
         check_(Phase::query, [&] {
-            asked_ = ask();
-            RankMesh::check_shape(share);
+            compared_ = make_query();
+            RankMesh::check_shape(local);
         });
-        check_query_of_ranks(share, end);
+        check_query_of_ranks(local, end);
         prepare();
-        read(share, end);
+        read(local, end);
         check_ids();
         place();
         list_members();
@@ -109,55 +109,55 @@ void RankDetector::answer(const LocalMesh& share, const VertexView* end, Functio
 
 // One reduction compares what must be equal on all ranks (minima of x and -x) and combines flags; another one exchanges
 // counts.
-void RankDetector::check_query_of_ranks(const LocalMesh& share, const VertexView* end) {
-    std::vector<std::int64_t> told = asked_.told;
-    told.push_back(options_.parts);
-    told.push_back(options_.batch_bytes);
+void RankDetector::check_query_of_ranks(const LocalMesh& local, const VertexView* end) {
+    std::vector<std::int64_t> values = compared_.values;
+    values.push_back(options_.parts);
+    values.push_back(options_.batch_bytes);
     // Different queries may have different numbers of values.
     constexpr std::size_t n = 20;
-    if (told.size() > n) throw std::logic_error("RankDetector: a query has more numbers than ranks compare");
-    told.resize(n, 0);
-    for (std::size_t i = 0; i < n; ++i) told.push_back(-told[i]);
+    if (values.size() > n) throw std::logic_error("RankDetector: a query has more numbers than ranks compare");
+    values.resize(n, 0);
+    for (std::size_t i = 0; i < n; ++i) values.push_back(-values[i]);
     const auto is_float64 = [](const VertexView& view) { return view.type == ScalarType::float64 && view.rows > 0; };
-    told.push_back(-std::int64_t{!share.triangle_ids.empty()});
-    told.push_back(-std::int64_t{!share.vertex_ids.empty()});
-    told.push_back(-std::int64_t{!share.mesh.groups.empty()});
+    values.push_back(-std::int64_t{!local.triangle_ids.empty()});
+    values.push_back(-std::int64_t{!local.vertex_ids.empty()});
+    values.push_back(-std::int64_t{!local.mesh.groups.empty()});
     // A mesh without vertices has no precision.
-    told.push_back(-std::int64_t{is_float64(share.mesh.vertices) || (end && is_float64(*end))});
-    reduce(told, Reduction::min);
-    triangle_ids_ = told[2 * n] != 0, vertex_ids_ = told[2 * n + 1] != 0, groups_ = told[2 * n + 2] != 0;
-    float32_ = told[2 * n + 3] == 0;
+    values.push_back(-std::int64_t{is_float64(local.mesh.vertices) || (end && is_float64(*end))});
+    reduce(values, Reduction::min);
+    triangle_ids_ = values[2 * n] != 0, vertex_ids_ = values[2 * n + 1] != 0, groups_ = values[2 * n + 2] != 0;
+    float32_ = values[2 * n + 3] == 0;
     counts_.assign(2 * static_cast<std::size_t>(transport_.size()), 0);
-    counts_[2 * static_cast<std::size_t>(transport_.rank())] = share.mesh.triangles.rows;
-    counts_[2 * static_cast<std::size_t>(transport_.rank()) + 1] = share.mesh.vertices.rows;
+    counts_[2 * static_cast<std::size_t>(transport_.rank())] = local.mesh.triangles.rows;
+    counts_[2 * static_cast<std::size_t>(transport_.rank()) + 1] = local.mesh.vertices.rows;
     reduce(counts_, Reduction::sum);
     check_(Phase::query, [&] {
         for (std::size_t i = 0; i < n; ++i)
-            check(told[i] == -told[n + i], "the query and the options must be the same on all ranks");
+            check(values[i] == -values[n + i], "the query and the options must be the same on all ranks");
         std::int64_t triangles = 0;
         for (std::size_t r = 0; r < counts_.size(); r += 2) triangles += counts_[r];
-        check(!asked_.between_groups || groups_ || triangles == 0,
+        check(!compared_.between_groups || groups_ || triangles == 0,
               "filter.groups = between needs groups, and no rank has any: nothing lies between different groups");
     });
 }
 
-void RankDetector::read(const LocalMesh& share, const VertexView* end) {
+void RankDetector::read(const LocalMesh& local, const VertexView* end) {
     check_(Phase::input, [&] {
-        share_.number(share, triangle_ids_, vertex_ids_, counts_, transport_.rank());
-        if (share.mesh.memory == MemorySpace::host) {
-            share_.read(share, engine_->workers());
-            if (end) share_.read_end(*end, engine_->workers());
+        local_.number(local, triangle_ids_, vertex_ids_, counts_, transport_.rank());
+        if (local.mesh.memory == MemorySpace::host) {
+            local_.read(local, engine_->workers());
+            if (end) local_.read_end(*end, engine_->workers());
             return;
         }
-        DeviceShape there{Shape(share.mesh), share.mesh.stream};
+        DeviceShape there{Shape(local.mesh), local.mesh.stream};
         if (end) there.shape.end = *end;
         engine_->copy_to_host(there, staged_);
-        LocalMesh here = share;
+        LocalMesh here = local;
         here.mesh = MeshView(staged_.shape.vertices, staged_.shape.triangles, staged_.shape.groups);
-        share_.read(here, engine_->workers());
-        if (end) share_.read_end(staged_.shape.end, engine_->workers());
+        local_.read(here, engine_->workers());
+        if (end) local_.read_end(staged_.shape.end, engine_->workers());
     });
-    const PreparedScene& scene = share_.scene();
+    const PreparedScene& scene = local_.scene();
     const bool empty = scene.vertex_count() == 0;
     constexpr double most = std::numeric_limits<double>::max();
     std::array<std::int64_t, 8> least{};
@@ -168,10 +168,10 @@ void RankDetector::read(const LocalMesh& share, const VertexView* end) {
     std::int64_t last = -1;
     if (vertex_ids_)
         for (std::int64_t v = 0; v < scene.vertex_count(); ++v)
-            last = std::max<std::int64_t>(last, share_.vertices()(v));
+            last = std::max<std::int64_t>(last, local_.vertices()(v));
     least[6] = -last;
     bool same = false;
-    check_(Phase::input, [&] { same = share_.is_same_as_before(); });
+    check_(Phase::input, [&] { same = local_.is_same_as_before(); });
     least[7] = same;
     reduce(least, Reduction::min);
     if (vertex_ids_) {
@@ -187,7 +187,7 @@ void RankDetector::read(const LocalMesh& share, const VertexView* end) {
                             " vertices: some ids are missing",
                         Element::vertex, -least[6]);
         });
-        share_.set_vertices(-least[6] + 1);
+        local_.set_vertices(-least[6] + 1);
     }
     box_ = {};
     if (least[0] != ordered(most))
@@ -200,28 +200,28 @@ void RankDetector::read(const LocalMesh& share, const VertexView* end) {
 
 void RankDetector::check_ids() {
     if (!same_) {
-        if (triangle_ids_) check_each_once(rounds_, check_, share_.triangles(), share_.scene().triangle_count());
-        copies_.learn(rounds_, check_, share_.vertices(), share_.scene().vertex_count());
+        if (triangle_ids_) check_each_once(batches_, check_, local_.triangles(), local_.scene().triangle_count());
+        copies_.learn(batches_, check_, local_.vertices(), local_.scene().vertex_count());
         features_.forget();
         bodies_.forget_edges();
     }
-    copies_.check(rounds_, check_, share_.scene().reader[0], float32_, "");
-    if (!asked_.features) return;
-    if (asked_.features->moving) copies_.check(rounds_, check_, share_.scene().end, float32_, " at the end");
-    if (!features_.known()) features_.learn(rounds_, check_, share_, copies_);
+    copies_.check(batches_, check_, local_.scene().reader[0], float32_, "");
+    if (!compared_.features) return;
+    if (compared_.features->moving) copies_.check(batches_, check_, local_.scene().end, float32_, " at the end");
+    if (!features_.known()) features_.learn(batches_, check_, local_, copies_);
 }
 
 void RankDetector::place() {
     const int parts = requested_parts();
     const bool serves = layout_.serves(parts, box_);
-    if (same_ && serves && asked_.features == demand_ && !on_any_rank(members_.stale())) return;
+    if (same_ && serves && compared_.features == demand_ && !on_any_rank(members_.stale())) return;
     same_ = false;
     drop_parts();
-    demand_ = asked_.features;
+    demand_ = compared_.features;
     if (serves) return;
     owners_.forget();
     expected_work_.clear();
-    layout_.make(rounds_, check_, share_, parts, box_, engine_->workers());
+    layout_.make(batches_, check_, local_, parts, box_, engine_->workers());
 }
 
 void RankDetector::list_members() {
@@ -233,7 +233,7 @@ void RankDetector::list_members() {
             layout_.widen(nullptr);
         }
         members_.set_features(demand_ ? &features_ : nullptr);
-        members_.update(share_, layout_, engine_->workers());
+        members_.update(local_, layout_, engine_->workers());
     });
     give_out();
     check_(Phase::members, [&] { own_parts(); });
@@ -305,7 +305,7 @@ void RankDetector::own_parts() {
 void RankDetector::deliver() {
     const auto depth = static_cast<std::size_t>(layout_.tree().depth);
     const bool features = demand_.has_value();
-    Delivery(rounds_, check_, owners_, members_, share_, copies_, mine_, depth)
+    Delivery(batches_, check_, owners_, members_, local_, copies_, mine_, depth)
         .run({.float32 = float32_, .features = features, .moving = features && demand_->moving},
              [&](std::int64_t bytes) {
                  MemoryMeter& memory = engine_->memory();
@@ -343,7 +343,7 @@ void RankDetector::search(FunctionRef<void(AssembledPart&)> each, FunctionRef<bo
 }
 
 void RankDetector::forget() {
-    share_.forget();
+    local_.forget();
     layout_.forget();
     owners_.forget();
     drop_parts();
@@ -367,7 +367,7 @@ int RankDetector::requested_parts() const {
     if (options_.parts > 0) return options_.parts;
     const int ranks = transport_.size();
     if (ranks <= 2) return ranks;
-    const std::int64_t triangles = share_.triangles().all / ranks, most = triangles > 100'000 ? 8 : 4;
+    const std::int64_t triangles = local_.triangles().all / ranks, most = triangles > 100'000 ? 8 : 4;
     return static_cast<int>(
         std::min<std::int64_t>(max_parts, ranks * std::clamp<std::int64_t>(triangles / 2500, 1, most)));
 }

@@ -53,17 +53,17 @@ class CRUMPLE_API RankDetector {
     ~RankDetector();
 
     // See mpi::Detector::find:
-    const DistributedIntersections& find(const LocalMesh& share, const IntersectionQuery& query = {},
+    const DistributedIntersections& find(const LocalMesh& local, const IntersectionQuery& query = {},
                                          std::stop_token stop = {});
-    const DistributedImpacts& find(const LocalMesh& share, const ImpactQuery& query, std::stop_token stop = {});
-    const DistributedProximities& find(const LocalMesh& share, const ProximityQuery& query, std::stop_token stop = {});
-    const DistributedIntersections& find(const LocalWorld& share, const IntersectionQuery& query = {},
+    const DistributedImpacts& find(const LocalMesh& local, const ImpactQuery& query, std::stop_token stop = {});
+    const DistributedProximities& find(const LocalMesh& local, const ProximityQuery& query, std::stop_token stop = {});
+    const DistributedIntersections& find(const LocalWorld& local, const IntersectionQuery& query = {},
                                          std::stop_token stop = {});
-    const DistributedImpacts& find(const LocalWorld& share, const ImpactQuery& query, std::stop_token stop = {});
-    const DistributedProximities& find(const LocalWorld& share, const ProximityQuery& query, std::stop_token stop = {});
+    const DistributedImpacts& find(const LocalWorld& local, const ImpactQuery& query, std::stop_token stop = {});
+    const DistributedProximities& find(const LocalWorld& local, const ProximityQuery& query, std::stop_token stop = {});
 
-    const DistributedOverlaps& find(const LocalWorld& share, const OverlapQuery& query, std::stop_token stop = {});
-    const DistributedOverlaps& find(const LocalMesh& share, const OverlapQuery& query, std::stop_token stop = {});
+    const DistributedOverlaps& find(const LocalWorld& local, const OverlapQuery& query, std::stop_token stop = {});
+    const DistributedOverlaps& find(const LocalMesh& local, const OverlapQuery& query, std::stop_token stop = {});
 
     const DistributedOptions& options() const { return options_; }
     const DistributedStatistics& statistics() const { return statistics_; }
@@ -80,12 +80,12 @@ class CRUMPLE_API RankDetector {
    private:
     /// Guards one call: runs its phases, measures them, and forgets everything after an error.
     void guard(std::stop_token stop, FunctionRef<void()> phases);
-    /// Runs all phases. ask() returns the query as ranks compare it, and may throw. prepare() is called after the
-    /// comparison, and may communicate. work() runs the phases search, rows and output.
-    void answer(const LocalMesh& share, const VertexView* end, FunctionRef<ComparedQuery()> ask,
-                FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work);
-    void answer(const LocalWorld& share, const PairFilter& rules, bool moving, FunctionRef<ComparedQuery()> ask,
-                std::stop_token stop, FunctionRef<void()> work);
+    /// Runs all phases. make_query() returns the query as ranks compare it, and may throw. prepare() is called after
+    /// the comparison, and may communicate. work() runs the phases search, rows and output.
+    void run(const LocalMesh& local, const VertexView* end, FunctionRef<ComparedQuery()> make_query,
+             FunctionRef<void()> prepare, std::stop_token stop, FunctionRef<void()> work);
+    void run(const LocalWorld& local, const PairFilter& rules, bool moving, FunctionRef<ComparedQuery()> make_query,
+             std::stop_token stop, FunctionRef<void()> work);
     void search_rows(const IntersectionQuery& query, RankOutput wants);
     void search_body_pairs(const IntersectionQuery& query);
     void search_impacts(const ImpactQuery& query);
@@ -98,13 +98,13 @@ class CRUMPLE_API RankDetector {
     void search_overlaps(const OverlapQuery& query, const PairsOfBodies& pairs, const BodyCopies& copies,
                          std::array<Overlaps, 2>& found, bool& any);
     void collect_overlaps(const OverlapQuery& query, std::array<Overlaps, 2>& found);
-    template <class Answer>
-    void name_bodies_of_features(Answer& answer);
+    template <class Result>
+    void name_bodies_of_features(Result& result);
     template <class Each, class Result>
     void search_features(Each each, bool listed, bool cut_short, Result& result);
 
-    void check_query_of_ranks(const LocalMesh& share, const VertexView* end);
-    void read(const LocalMesh& share, const VertexView* end);
+    void check_query_of_ranks(const LocalMesh& local, const VertexView* end);
+    void read(const LocalMesh& local, const VertexView* end);
     void check_ids();
     void place();
     void list_members();
@@ -130,7 +130,7 @@ class CRUMPLE_API RankDetector {
 
     Transport& transport_;
     DistributedOptions options_;
-    MessageBatches rounds_;
+    MessageBatches batches_;
     CollectiveCheck check_;
     std::function<void(Phase)> hook_;
     std::function<void(const DistributedProgress&)> show_;
@@ -141,7 +141,7 @@ class CRUMPLE_API RankDetector {
     std::optional<Phase> shown_;  ///< latest phase of this call that was reported to show_
 
     // Per call:
-    ComparedQuery asked_;
+    ComparedQuery compared_;
     bool float32_ = true, groups_ = false, triangle_ids_ = false, vertex_ids_ = false;
     bool same_ = false;  ///< triangles, groups and ids are those of the previous call; after place() also parts
     std::vector<std::int64_t> counts_;
@@ -152,7 +152,7 @@ class CRUMPLE_API RankDetector {
     // Cached between calls:
     std::optional<PartSearch> engine_;
     HostShape staged_;  ///< host copy of a local mesh in device memory
-    RankMesh share_;
+    RankMesh local_;
     Bodies bodies_;
     GhostVertices copies_;
     PartLayout layout_;

@@ -75,14 +75,14 @@ class Fingerprint {
 
 }  // namespace
 
-void RankMesh::check_shape(const LocalMesh& share) {
-    if (share.mesh.triangles.rows < 0 || share.mesh.vertices.rows < 0)
+void RankMesh::check_shape(const LocalMesh& local) {
+    if (local.mesh.triangles.rows < 0 || local.mesh.vertices.rows < 0)
         refuse("the local mesh has a negative number of triangles or vertices");
-    check_count(share.triangle_ids, share.mesh.triangles.rows, "triangle");
-    check_count(share.vertex_ids, share.mesh.vertices.rows, "vertex");
+    check_count(local.triangle_ids, local.mesh.triangles.rows, "triangle");
+    check_count(local.vertex_ids, local.mesh.vertices.rows, "vertex");
 }
 
-void RankMesh::number(const LocalMesh& share, bool triangle_ids, bool vertex_ids, std::span<const std::int64_t> counts,
+void RankMesh::number(const LocalMesh& local, bool triangle_ids, bool vertex_ids, std::span<const std::int64_t> counts,
                       int rank) {
     triangles_ = vertices_ = {};
     for (std::size_t r = 0; 2 * r < counts.size(); ++r) {
@@ -94,8 +94,8 @@ void RankMesh::number(const LocalMesh& share, bool triangle_ids, bool vertex_ids
     const auto take = [](std::span<const std::int64_t> given) {
         return given.empty() ? std::span<const std::int64_t>(&none, 0) : given;
     };
-    if (triangle_ids) triangles_.given = take(share.triangle_ids);
-    if (vertex_ids) vertices_.given = take(share.vertex_ids);
+    if (triangle_ids) triangles_.given = take(local.triangle_ids);
+    if (vertex_ids) vertices_.given = take(local.vertex_ids);
     const auto check_all = [](std::int64_t all, const char* what) {
         if (all > most_ids)
             refuse("there are " + std::to_string(all) + " " + what +
@@ -107,8 +107,8 @@ void RankMesh::number(const LocalMesh& share, bool triangle_ids, bool vertex_ids
         if (static_cast<std::int64_t>(ids.size()) != rows)
             refuse(std::string(what) + "_ids are missing on this rank, but another rank has them");
     };
-    if (triangle_ids) has_ids(share.triangle_ids, share.mesh.triangles.rows, "triangle");
-    if (vertex_ids) has_ids(share.vertex_ids, share.mesh.vertices.rows, "vertex");
+    if (triangle_ids) has_ids(local.triangle_ids, local.mesh.triangles.rows, "triangle");
+    if (vertex_ids) has_ids(local.vertex_ids, local.mesh.vertices.rows, "vertex");
 }
 
 template <class Read>
@@ -128,8 +128,8 @@ void RankMesh::with_global_index(Read read) const {
     }
 }
 
-void RankMesh::read(const LocalMesh& share, ParallelFor& workers) {
-    MeshView mesh = share.mesh;
+void RankMesh::read(const LocalMesh& local, ParallelFor& workers) {
+    MeshView mesh = local.mesh;
     mesh.edges = {}, mesh.points = {};
     check_range(triangles_, mesh.triangles.rows, triangles_.all, "triangle", Element::triangle);
     check_range(vertices_, mesh.vertices.rows, most_ids, "vertex", Element::vertex);

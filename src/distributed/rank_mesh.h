@@ -34,15 +34,15 @@ class RankMesh {
     explicit RankMesh(MemoryMeter* meter) : buffers_(meter) {}
 
     /// Checks the sizes of the arrays. Throws Error (invalid_argument).
-    static void check_shape(const LocalMesh& share);
+    static void check_shape(const LocalMesh& local);
 
     /// Numbers triangles and vertices over all ranks. `counts`: numbers of triangles and vertices, 2 per rank. Throws
     /// Error (invalid_argument) if there are too many over all ranks, or ids are given on other ranks only.
-    void number(const LocalMesh& share, bool triangle_ids, bool vertex_ids, std::span<const std::int64_t> counts,
+    void number(const LocalMesh& local, bool triangle_ids, bool vertex_ids, std::span<const std::int64_t> counts,
                 int rank);
     /// Checks vertices, triangles and ids on the threads of `workers`. Throws Error with the number over all ranks of
     /// the first bad element in local order, or the least bad id.
-    void read(const LocalMesh& share, ParallelFor& workers);
+    void read(const LocalMesh& local, ParallelFor& workers);
     /// Reads and checks the end positions of a step. Call after read().
     void read_end(const VertexView& end, ParallelFor& workers);
     /// Sets the number of vertices over all ranks, if ids are given.

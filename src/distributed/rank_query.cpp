@@ -14,10 +14,10 @@ namespace {
 enum class Kind : std::uint8_t { intersections, motion, nearness, of_bodies, overlaps, overlap_of_mesh };
 
 // Appends all bits of x as two numbers that can be negated.
-void tell(double x, std::vector<std::int64_t>& told) {
+void append(double x, std::vector<std::int64_t>& values) {
     const auto bits = std::bit_cast<std::uint64_t>(x);
-    told.push_back(static_cast<std::int64_t>(bits >> 32));
-    told.push_back(static_cast<std::int64_t>(bits & 0xffffffffu));
+    values.push_back(static_cast<std::int64_t>(bits >> 32));
+    values.push_back(static_cast<std::int64_t>(bits & 0xffffffffu));
 }
 
 /// Hash of a list of numbers.
@@ -45,13 +45,14 @@ std::int64_t word_of(const std::vector<std::array<double, 3>>& directions) {
     return hash.value();
 }
 
-void tell(const PairFilter& rules, bool world, ComparedQuery& asked) {
+void append(const PairFilter& rules, bool world, ComparedQuery& compared) {
     check(world || rules.excluded_bodies.empty(), "excluded_bodies must be empty: a local mesh has no bodies");
-    asked.told.insert(asked.told.end(),
-                      {static_cast<std::int64_t>(rules.bodies), static_cast<std::int64_t>(rules.groups),
-                       static_cast<std::int64_t>(rules.excluded_groups.size()), word_of(rules.excluded_groups),
-                       static_cast<std::int64_t>(rules.excluded_bodies.size()), word_of(rules.excluded_bodies), world});
-    asked.between_groups = !world && rules.groups == PairScope::between;
+    compared.values.insert(
+        compared.values.end(),
+        {static_cast<std::int64_t>(rules.bodies), static_cast<std::int64_t>(rules.groups),
+         static_cast<std::int64_t>(rules.excluded_groups.size()), word_of(rules.excluded_groups),
+         static_cast<std::int64_t>(rules.excluded_bodies.size()), word_of(rules.excluded_bodies), world});
+    compared.between_groups = !world && rules.groups == PairScope::between;
 }
 
 constexpr const char* no_containment = "containment must be false: ranks do not support it";
@@ -61,18 +62,18 @@ constexpr const char* no_containment = "containment must be false: ranks do not 
 ComparedQuery request_of_ranks(const IntersectionQuery& query, RankOutput output) {
     check(output != RankOutput::body_pairs, "output must not be body_pairs: a local mesh has no bodies");
     check(!query.containment, no_containment);
-    ComparedQuery asked;
-    asked.told = {static_cast<std::int64_t>(Kind::intersections),
-                  static_cast<std::int64_t>(output),
-                  static_cast<std::int64_t>(query.neighbours),
-                  static_cast<std::int64_t>(query.kind),
-                  query.weld,
-                  query.contacts(),
-                  static_cast<std::int64_t>(query.filter.groups),
-                  static_cast<std::int64_t>(query.filter.excluded_groups.size()),
-                  word_of(query.filter.excluded_groups)};
-    asked.between_groups = query.filter.groups == PairScope::between;
-    return asked;
+    ComparedQuery compared;
+    compared.values = {static_cast<std::int64_t>(Kind::intersections),
+                       static_cast<std::int64_t>(output),
+                       static_cast<std::int64_t>(query.neighbours),
+                       static_cast<std::int64_t>(query.kind),
+                       query.weld,
+                       query.contacts(),
+                       static_cast<std::int64_t>(query.filter.groups),
+                       static_cast<std::int64_t>(query.filter.excluded_groups.size()),
+                       word_of(query.filter.excluded_groups)};
+    compared.between_groups = query.filter.groups == PairScope::between;
+    return compared;
 }
 
 RankOutput output_of(const IntersectionQuery& query) {
@@ -96,25 +97,25 @@ RankOutput output_of(const IntersectionQuery& query) {
 ComparedQuery request_of_ranks(const IntersectionQuery& query) {
     check(!query.index, "index must be false: ranks do not support offsets by body");
     check(!query.containment, no_containment);
-    ComparedQuery asked;
-    asked.told = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(query.output),
-                  static_cast<std::int64_t>(query.neighbours), static_cast<std::int64_t>(query.kind), query.weld};
-    tell(query.filter, true, asked);
-    return asked;
+    ComparedQuery compared;
+    compared.values = {static_cast<std::int64_t>(Kind::of_bodies), static_cast<std::int64_t>(query.output),
+                       static_cast<std::int64_t>(query.neighbours), static_cast<std::int64_t>(query.kind), query.weld};
+    append(query.filter, true, compared);
+    return compared;
 }
 
 ComparedQuery request_of_ranks(const ImpactQuery& query, bool world) {
     check_query_options(query, false);
     check(!query.triangle_pairs, "triangle_pairs must be false: ranks do not support them");
     check(!query.index, "index must be false: ranks do not support offsets by feature");
-    ComparedQuery asked;
-    asked.told = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(query.output), query.weld,
-                  query.approaching_only};
-    tell(query.min_distance, asked.told);
-    tell(query.min_distance_share, asked.told);
-    asked.features = {true, query.min_distance, query.min_distance_share, query.weld};
-    tell(query.filter, world, asked);
-    return asked;
+    ComparedQuery compared;
+    compared.values = {static_cast<std::int64_t>(Kind::motion), static_cast<std::int64_t>(query.output), query.weld,
+                       query.approaching_only};
+    append(query.min_distance, compared.values);
+    append(query.min_distance_share, compared.values);
+    compared.features = {true, query.min_distance, query.min_distance_share, query.weld};
+    append(query.filter, world, compared);
+    return compared;
 }
 
 ComparedQuery request_of_ranks(const ProximityQuery& query, bool world) {
@@ -124,13 +125,13 @@ ComparedQuery request_of_ranks(const ProximityQuery& query, bool world) {
     check(query.rings == 0, "rings must be 0: ranks do not support rings");
     check(!query.least, "least must be false: ranks do not support least distances");
     check(!query.index, "index must be false: ranks do not support offsets by feature");
-    ComparedQuery asked;
-    asked.told = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(query.output), query.strict,
-                  query.closest, query.weld};
-    tell(query.radius, asked.told);
-    asked.features = {false, query.radius, 0, query.weld};
-    tell(query.filter, world, asked);
-    return asked;
+    ComparedQuery compared;
+    compared.values = {static_cast<std::int64_t>(Kind::nearness), static_cast<std::int64_t>(query.output), query.strict,
+                       query.closest, query.weld};
+    append(query.radius, compared.values);
+    compared.features = {false, query.radius, 0, query.weld};
+    append(query.filter, world, compared);
+    return compared;
 }
 
 ComparedQuery request_of_ranks(const OverlapQuery& query, const World& world) {
@@ -140,25 +141,25 @@ ComparedQuery request_of_ranks(const OverlapQuery& query, const World& world) {
          {query.weld, query.self_overlaps, query.gradient, query.curves, query.windings, query.extents, query.depths,
           query.translation, query.solids, query.unions, query.regions, query.first_free})
         flags = 2 * flags + (flag ? 1 : 0);
-    ComparedQuery asked;
-    asked.told = {static_cast<std::int64_t>(Kind::overlaps),
-                  static_cast<std::int64_t>(query.output),
-                  static_cast<std::int64_t>(query.open),
-                  flags,
-                  static_cast<std::int64_t>(query.directions.size()),
-                  word_of(query.directions)};
-    tell(query.min_volume, asked.told);
-    tell(query.depth_tolerance, asked.told);
-    tell(query.filter, true, asked);
-    return asked;
+    ComparedQuery compared;
+    compared.values = {static_cast<std::int64_t>(Kind::overlaps),
+                       static_cast<std::int64_t>(query.output),
+                       static_cast<std::int64_t>(query.open),
+                       flags,
+                       static_cast<std::int64_t>(query.directions.size()),
+                       word_of(query.directions)};
+    append(query.min_volume, compared.values);
+    append(query.depth_tolerance, compared.values);
+    append(query.filter, true, compared);
+    return compared;
 }
 
 ComparedQuery request_of_ranks(const OverlapQuery& query, const MeshView& mesh) {
     const Shape shapes[] = {Shape(mesh)};
     const Body bodies[] = {Body{}};
-    ComparedQuery asked = request_of_ranks(query, World{shapes, bodies, {}});
-    asked.told[0] = static_cast<std::int64_t>(Kind::overlap_of_mesh);
-    return asked;
+    ComparedQuery compared = request_of_ranks(query, World{shapes, bodies, {}});
+    compared.values[0] = static_cast<std::int64_t>(Kind::overlap_of_mesh);
+    return compared;
 }
 
 }  // namespace crumple::distribute

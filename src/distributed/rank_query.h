@@ -19,7 +19,7 @@ namespace crumple::distribute {
 enum class RankOutput : std::uint8_t { any, count, pairs, body_pairs };
 
 struct ComparedQuery {
-    std::vector<std::int64_t> told;         ///< values that must be equal on all ranks
+    std::vector<std::int64_t> values;       ///< values that must be equal on all ranks
     std::optional<FeatureDemand> features;  ///< set for queries about features
     bool between_groups = false;            ///< only pairs between groups are requested, so groups are required
 };

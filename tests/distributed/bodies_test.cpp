@@ -86,7 +86,7 @@ testing::AssertionResult same_in_world(const World& world, Distribution how, int
     run_ranks(ranks, [&](Transport& transport) {
         const WorldPiece piece(world, how, transport.rank(), ranks);
         RankDetector detector(transport, options);
-        verdicts.add(transport.rank(), rows_are(detector.find(piece.share(), query), piece, expected));
+        verdicts.add(transport.rank(), rows_are(detector.find(piece.local(), query), piece, expected));
     });
     return verdicts.all();
 }
@@ -126,10 +126,10 @@ TEST(RankBodies, without_ids_bodies_are_numbered_rank_by_rank) {
     RankFailures verdicts;
     run_ranks(3, [&](Transport& transport) {
         const WorldPiece piece(world->view(), Distribution::blocks, transport.rank(), 3);
-        LocalWorld share = piece.share();
-        share.body_ids = {};
+        LocalWorld local = piece.local();
+        local.body_ids = {};
         RankDetector detector(transport, for_bodies());
-        verdicts.add(transport.rank(), rows_are(detector.find(share), piece, expected));
+        verdicts.add(transport.rank(), rows_are(detector.find(local), piece, expected));
     });
     EXPECT_TRUE(verdicts.all());
 }
@@ -150,7 +150,7 @@ TEST(RankBodies, moved_statistic_is_set_if_bodies_move_but_not_if_one_is_replace
         for (int frame = 0; frame < frames; ++frame) {
             const World now = worlds[static_cast<std::size_t>(frame)]->view();
             piece.follow(now);
-            const DistributedIntersections& found = detector.find(piece.share());
+            const DistributedIntersections& found = detector.find(piece.local());
             verdicts.add(transport.rank(), rows_are(found, piece, one.find(now)));
             if (found.statistics.moved != (frame > 0))
                 verdicts.add(transport.rank(), testing::AssertionFailure() << "moved in frame " << frame);
@@ -158,7 +158,7 @@ TEST(RankBodies, moved_statistic_is_set_if_bodies_move_but_not_if_one_is_replace
         // Replacing a body does not count as motion.
         piece.bodies[0].shape = static_cast<std::int32_t>(piece.shapes.size()) - 1;
         if (transport.rank() == 1) piece.shapes.back() = Shape(worlds[0]->floats[0].view());
-        if (detector.find(piece.share()).statistics.moved)
+        if (detector.find(piece.local()).statistics.moved)
             verdicts.add(transport.rank(), testing::AssertionFailure() << "another body moved");
     });
     EXPECT_TRUE(verdicts.all());
@@ -202,19 +202,19 @@ TEST(RankBodies, impacts_and_proximities_match_a_single_detector) {
             const int rank = transport.rank();
             const WorldPiece piece(world, every_distribution[seed / 4 % 4], rank, ranks);
             RankDetector detector(transport, for_bodies(seed % 2 ? 0 : 5));
-            const DistributedImpacts& found = detector.find(piece.share(), motion);
+            const DistributedImpacts& found = detector.find(piece.local(), motion);
             verdicts.add(rank, feature_rows_are(found, piece, impacts));
             if (!(found.first == impacts.first)) verdicts.add(rank, testing::AssertionFailure() << "first impact");
             if (seed % 3 == 0) {
                 ImpactQuery smaller = motion;
                 smaller.output = Output::first;
-                if (!(detector.find(piece.share(), smaller).first == impacts.first))
+                if (!(detector.find(piece.local(), smaller).first == impacts.first))
                     verdicts.add(rank, testing::AssertionFailure() << "earliest");
                 smaller.output = Output::any;
-                if (detector.find(piece.share(), smaller).any != impacts.any)
+                if (detector.find(piece.local(), smaller).any != impacts.any)
                     verdicts.add(rank, testing::AssertionFailure() << "any");
             }
-            verdicts.add(rank, feature_rows_are(detector.find(piece.share(), near), piece, nearby));
+            verdicts.add(rank, feature_rows_are(detector.find(piece.local(), near), piece, nearby));
         });
         ASSERT_TRUE(verdicts.all()) << "seed " << seed;
     }
@@ -237,7 +237,7 @@ TEST(RankBodies, proximities_match_a_single_detector_after_corners_of_triangles_
             const World world{{&shape, 1}, bodies, {}};
             const WorldPiece piece(world, Distribution::round_robin, transport.rank(), 2);
             verdicts.add(transport.rank(),
-                         feature_rows_are(detector.find(piece.share(), near), piece, one.find(world, near)));
+                         feature_rows_are(detector.find(piece.local(), near), piece, one.find(world, near)));
         }
     });
     EXPECT_TRUE(verdicts.all());
@@ -268,19 +268,19 @@ std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, s
         RankDetector detector(transport, for_bodies());
         for (int frame = 0; frame < 2; ++frame) {
             WorldPiece piece = good;
-            LocalWorld share;
+            LocalWorld local;
             IntersectionQuery query;
             try {
-                share = piece.share();
-                spoil(transport.rank(), piece, share, query);
-                detector.find(share, query);
+                local = piece.local();
+                spoil(transport.rank(), piece, local, query);
+                detector.find(local, query);
                 messages[rank] = "nothing";
             } catch (const Error& error) {
                 messages[rank] = error.what();
                 if (error.code != code || (index >= 0 && (error.index != index || error.element != Element::body)))
                     messages[rank] += ", of another kind";
             }
-            if (!rows_are(detector.find(good.share(), IntersectionQuery()), good, expected))
+            if (!rows_are(detector.find(good.local(), IntersectionQuery()), good, expected))
                 messages[rank] += ", and does not go on";
         }
     });
@@ -292,44 +292,44 @@ std::string refused(Spoil spoil, ErrorCode code = ErrorCode::invalid_argument, s
 TEST(RankBodies, invalid_calls_fail_alike_on_all_ranks) {
     using RankMesh = LocalWorld;
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
-                      if (rank == 1) piece.ids[0] = 0, share = piece.share();
+                  [](int rank, WorldPiece& piece, RankMesh& local, IntersectionQuery&) {
+                      if (rank == 1) piece.ids[0] = 0, local = piece.local();
                   },
                   ErrorCode::invalid_argument, 0),
               "rank 0: body 0 is provided 2 times");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
-                      if (rank == 0) piece.ids[0] = 1, share = piece.share();
+                  [](int rank, WorldPiece& piece, RankMesh& local, IntersectionQuery&) {
+                      if (rank == 0) piece.ids[0] = 1, local = piece.local();
                   },
                   ErrorCode::invalid_argument, 0),
               "rank 0: body 0 is missing: no rank provides it");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
-                      if (rank == 2) piece.ids[1] = 6, share = piece.share();
+                  [](int rank, WorldPiece& piece, RankMesh& local, IntersectionQuery&) {
+                      if (rank == 2) piece.ids[1] = 6, local = piece.local();
                   },
                   ErrorCode::invalid_argument, 6),
               "rank 2: body 1 has the id 6, but ids are 0 to 5");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh& share, IntersectionQuery&) {
-                  if (rank == 2) share.body_ids = {};
+    EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh& local, IntersectionQuery&) {
+                  if (rank == 2) local.body_ids = {};
               }),
               "rank 2: body_ids are missing on this rank, but another rank has them");
-    EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh& share, IntersectionQuery&) {
-                  if (rank == 1) share.body_ids = share.body_ids.first(1);
+    EXPECT_EQ(refused([](int rank, WorldPiece&, RankMesh& local, IntersectionQuery&) {
+                  if (rank == 1) local.body_ids = local.body_ids.first(1);
               }),
               "rank 1: there are 1 body ids for 2 bodies");
     EXPECT_EQ(refused(
-                  [](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
-                      if (rank == 1) piece.poses[1].rows[3] = 1e300, share = piece.share();
+                  [](int rank, WorldPiece& piece, RankMesh& local, IntersectionQuery&) {
+                      if (rank == 1) piece.poses[1].rows[3] = 1e300, local = piece.local();
                   },
                   ErrorCode::not_finite, 4),
               "rank 1: body 1: vertex 0 is posed to infinity (body 4 over all ranks)");
-    EXPECT_EQ(refused([](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
-                  if (rank == 2) piece.bodies[1].world = 1, share = piece.share();
+    EXPECT_EQ(refused([](int rank, WorldPiece& piece, RankMesh& local, IntersectionQuery&) {
+                  if (rank == 2) piece.bodies[1].world = 1, local = piece.local();
               }),
               "rank 2: body 1: its world must be 0, because all ranks share one world (body 5 over all ranks)");
-    EXPECT_EQ(refused([](int rank, WorldPiece& piece, RankMesh& share, IntersectionQuery&) {
+    EXPECT_EQ(refused([](int rank, WorldPiece& piece, RankMesh& local, IntersectionQuery&) {
                   static const std::vector<Edge> edges{{0, 1}};
-                  if (rank == 1) piece.shapes[0].edges = edges, share = piece.share();
+                  if (rank == 1) piece.shapes[0].edges = edges, local = piece.local();
               }),
               "rank 1: body 0: ranks do not support a shape's list of edges or points (body 1 over all ranks)");
     EXPECT_EQ(
@@ -363,7 +363,7 @@ TEST(RankBodies, mesh_on_one_rank_and_bodies_on_others_are_an_error_on_all_ranks
             if (rank == 1)
                 detector.find(LocalMesh());
             else
-                detector.find(piece.share());
+                detector.find(piece.local());
         } catch (const Error& error) {
             messages[rank] = error.what();
         }

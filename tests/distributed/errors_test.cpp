@@ -70,8 +70,8 @@ Seen seen_by_all(Spoil spoil, const DistributedOptions& options = small()) {
             MeshPiece piece = good;
             IntersectionQuery query;
             spoil(transport.rank(), piece, query);
-            seen[rank] = seen_by([&] { detector.find(piece.share(), query); });
-            after[rank] = rows_are(detector.find(good.share()), good.triangle_ids, expected);
+            seen[rank] = seen_by([&] { detector.find(piece.local(), query); });
+            after[rank] = rows_are(detector.find(good.local()), good.triangle_ids, expected);
             if (!after[rank]) return;
         }
     });
@@ -96,20 +96,20 @@ TEST(RankErrors, error_in_any_phase_is_the_same_on_all_ranks) {
             for (int failing = 0; failing < ranks; ++failing)
                 for (const bool warm : {false, true}) {
                     RankDetector detector(transport, small());
-                    if (warm) detector.find(piece.share());
+                    if (warm) detector.find(piece.local());
                     const std::string name(phase_name(static_cast<Phase>(phase)));
                     detector.set_hook([&](Phase now) {
                         if (rank == failing && now == static_cast<Phase>(phase))
                             throw Error(ErrorCode::invalid_argument, "fault in " + name, Element::option);
                     });
-                    const Seen seen = seen_by([&] { detector.find(piece.share()); });
+                    const Seen seen = seen_by([&] { detector.find(piece.local()); });
                     detector.set_hook({});
                     // In the second call no triangle has changed, so centres are not recomputed: that phase is skipped.
                     const bool skipped = warm && static_cast<Phase>(phase) == Phase::place;
                     const std::string message = "rank " + std::to_string(failing) + ": fault in " + name;
                     if (seen.message != (skipped ? "" : message) || (!skipped && seen.rank != failing))
                         wrong[r] += name + ": \"" + seen.message + "\"; ";
-                    if (!rows_are(detector.find(piece.share()), piece.triangle_ids, expected))
+                    if (!rows_are(detector.find(piece.local()), piece.triangle_ids, expected))
                         wrong[r] += "after " + name + "; ";
                     ++failures[r];
                 }
@@ -211,7 +211,7 @@ TEST(RankErrors, different_queries_or_options_on_ranks_are_an_error) {
         const MeshPiece piece(WholeMesh(wavy_sheet<float>(8)), Distribution::blocks, transport.rank(), 2);
         RankDetector detector(transport, small());
         const ProximityQuery near{.radius = transport.rank() ? 0.1 : std::nextafter(0.1, 1.0)};
-        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find(piece.share(), near); });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find(piece.local(), near); });
     });
     EXPECT_EQ(seen[0].message, expected);
     EXPECT_EQ(seen[1], seen[0]);
@@ -226,10 +226,10 @@ TEST(RankErrors, vertex_ids_missing_on_one_of_two_ranks_are_an_error) {
     std::vector<Seen> seen(2);
     run_ranks(2, [&](Transport& transport) {
         const MeshPiece piece(WholeMesh(wavy_sheet<float>(8)), Distribution::blocks, transport.rank(), 2);
-        LocalMesh share = piece.share();
-        if (transport.rank() == 1) share.vertex_ids = {};
+        LocalMesh local = piece.local();
+        if (transport.rank() == 1) local.vertex_ids = {};
         RankDetector detector(transport, small());
-        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { count_pairs(detector, share); });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { count_pairs(detector, local); });
     });
     EXPECT_EQ(seen[0].message, "rank 1: vertex_ids are missing on this rank, but another rank has them");
     EXPECT_EQ(seen[1], seen[0]);
@@ -261,7 +261,7 @@ TEST(RankErrors, stop_requested_on_one_rank_cancels_the_call_on_all_ranks) {
         std::stop_source source;
         if (transport.rank() == 1) source.request_stop();
         seen[static_cast<std::size_t>(transport.rank())] =
-            seen_by([&] { detector.find(piece.share(), IntersectionQuery(), source.get_token()); });
+            seen_by([&] { detector.find(piece.local(), IntersectionQuery(), source.get_token()); });
     });
     for (const Seen& by_one : seen) {
         EXPECT_EQ(by_one.code, ErrorCode::cancelled);
@@ -279,7 +279,7 @@ TEST(RankErrors, hook_exception_is_rethrown_on_its_rank_and_an_error_on_the_othe
             if (transport.rank() == 2 && phase == Phase::search) throw std::out_of_range("an interrupt");
         });
         try {
-            detector.find(piece.share());
+            detector.find(piece.local());
         } catch (const std::out_of_range& error) {
             seen[static_cast<std::size_t>(transport.rank())] = std::string("out_of_range: ") + error.what();
         } catch (const Error& error) {
@@ -301,7 +301,7 @@ TEST(RankErrors, error_in_progress_callback_ends_the_call_on_all_ranks) {
             if (transport.rank() == 1 && progress.parts_done == 1)
                 throw Error(ErrorCode::cancelled, "enough", Element::none);
         });
-        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find(piece.share()); });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find(piece.local()); });
     });
     for (const Seen& by_one : seen) {
         EXPECT_EQ(by_one.code, ErrorCode::cancelled);
@@ -317,7 +317,7 @@ TEST(RankErrors, memory_limit_error_is_the_same_on_all_ranks) {
         DistributedOptions options = small();
         options.detector.memory_limit = 20000;
         RankDetector detector(transport, options);
-        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find(piece.share()); });
+        seen[static_cast<std::size_t>(transport.rank())] = seen_by([&] { detector.find(piece.local()); });
     });
     EXPECT_EQ(seen[0].code, ErrorCode::memory_limit);
     EXPECT_GT(seen[0].bytes_needed, 20000);
@@ -346,7 +346,7 @@ TEST(RankErrors, memory_grows_by_less_than_half_over_300_frames_of_motion) {
                     xyz[i] = start[i] * (1 + 0.2f * std::sin(1.5f * static_cast<float>(f)));
                 piece.follow();
                 Seen& mine = seen[static_cast<std::size_t>(transport.rank())];
-                if (mine == Seen{}) mine = seen_by([&] { detector.find(piece.share()); });
+                if (mine == Seen{}) mine = seen_by([&] { detector.find(piece.local()); });
             }
         });
         return seen[0];

@@ -36,17 +36,17 @@ testing::AssertionResult same_impacts(const Step& step, Distribution how, int ra
     run_ranks(ranks, [&](Transport& transport) {
         const int rank = transport.rank();
         const MeshPiece start(step.start, how, rank, ranks), end(step.end, how, rank, ranks);
-        const VertexView end_view = end.share().mesh.vertices;
+        const VertexView end_view = end.local().mesh.vertices;
         RankDetector detector(transport, options);
-        const DistributedImpacts& found = detector.find(start.share().moving_to(end_view), query);
+        const DistributedImpacts& found = detector.find(start.local().moving_to(end_view), query);
         verdicts.add(rank, rows_are(found, start.triangle_ids, expected, step.start));
         if (!(found.first == expected.first)) verdicts.add(rank, testing::AssertionFailure() << "first impact");
         ImpactQuery smaller = query;
         smaller.output = Output::any;
-        if (detector.find(start.share().moving_to(end_view), smaller).any != expected.any)
+        if (detector.find(start.local().moving_to(end_view), smaller).any != expected.any)
             verdicts.add(rank, testing::AssertionFailure() << "any");
         smaller.output = Output::first;
-        if (!(detector.find(start.share().moving_to(end_view), smaller).first == expected.first))
+        if (!(detector.find(start.local().moving_to(end_view), smaller).first == expected.first))
             verdicts.add(rank, testing::AssertionFailure() << "earliest");
     });
     return verdicts.all();
@@ -61,10 +61,10 @@ testing::AssertionResult same_near(const WholeMesh& mesh, Distribution how, int 
         const int rank = transport.rank();
         const MeshPiece piece(mesh, how, rank, ranks);
         RankDetector detector(transport, options);
-        verdicts.add(rank, rows_are(detector.find(piece.share(), query), piece.triangle_ids, expected, mesh));
+        verdicts.add(rank, rows_are(detector.find(piece.local(), query), piece.triangle_ids, expected, mesh));
         ProximityQuery smaller = query;
         smaller.output = Output::any;
-        if (detector.find(piece.share(), smaller).any != expected.any)
+        if (detector.find(piece.local(), smaller).any != expected.any)
             verdicts.add(rank, testing::AssertionFailure() << "any");
     });
     return verdicts.all();
@@ -140,13 +140,13 @@ TEST(RankFeatures, changing_queries_match_a_single_detector_in_a_moving_scene) {
                 end(step.end, Distribution::random, rank, ranks);
             if (f == 4) {
                 const ProximityQuery query{.radius = 0.03};
-                verdicts.add(rank, rows_are(detector.find(start.share(), query), start.triangle_ids,
+                verdicts.add(rank, rows_are(detector.find(start.local(), query), start.triangle_ids,
                                             one.find(step.start.view(), query), step.start));
-                verdicts.add(rank, test::rows_are(detector.find(start.share()), start.triangle_ids,
+                verdicts.add(rank, test::rows_are(detector.find(start.local()), start.triangle_ids,
                                                   one.find(step.start.view())));
             }
             const ImpactQuery query{.min_distance = f < 6 ? 0.0 : 0.01};
-            const DistributedImpacts& found = detector.find(start.share().moving_to(end.share().mesh.vertices), query);
+            const DistributedImpacts& found = detector.find(start.local().moving_to(end.local().mesh.vertices), query);
             verdicts.add(rank, rows_are(found, start.triangle_ids,
                                         one.find(step.start.view().moving_to(step.end_view()), query), step.start));
             if (rank == 0) moved += found.statistics.moved;

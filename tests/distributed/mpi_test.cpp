@@ -55,9 +55,9 @@ class MpiRanks : public testing::Test {
         for (const Distribution how : each) {
             const MeshPiece piece(mesh, how, rank, ranks);
             mpi::Detector detector(MPI_COMM_WORLD, options);
-            const DistributedIntersections found = detector.find(piece.share(), query);
-            const bool any = detector.any(piece.share(), query);
-            const std::int64_t count = count_pairs(detector, piece.share(), query);
+            const DistributedIntersections found = detector.find(piece.local(), query);
+            const bool any = detector.any(piece.local(), query);
+            const std::int64_t count = count_pairs(detector, piece.local(), query);
             detector.close();
             EXPECT_TRUE(rows_are(found, piece.triangle_ids, expected)) << name << ", rank " << rank;
             EXPECT_EQ(any, !expected.pairs.empty()) << name;
@@ -111,8 +111,8 @@ TEST_F(MpiRanks, impacts_and_proximities_match_a_single_detector) {
         for (const Distribution how : {Distribution::blocks, Distribution::random}) {
             const MeshPiece start(step.start, how, rank, ranks), end(step.end, how, rank, ranks);
             const DistributedImpacts impacts =
-                detector.find(start.share().moving_to(end.share().mesh.vertices), ImpactQuery());
-            const DistributedProximities nearby = detector.find(start.share(), near);
+                detector.find(start.local().moving_to(end.local().mesh.vertices), ImpactQuery());
+            const DistributedProximities nearby = detector.find(start.local(), near);
             EXPECT_TRUE(rows_are(impacts, start.triangle_ids, expected, step.start)) << soup.name;
             EXPECT_TRUE(impacts.first == expected.first) << soup.name;
             EXPECT_TRUE(rows_are(nearby, start.triangle_ids, expected_nearby, step.start)) << soup.name;
@@ -134,10 +134,10 @@ TEST_F(MpiRanks, bodies_match_a_single_detector) {
         world.end_poses = ends;
         const WorldPiece piece(world, every_distribution[seed % 4], rank, ranks);
         const IntersectionQuery query{.output = seed % 2 ? Output::contacts : Output::body_pairs};
-        const DistributedIntersections found = detector.find(piece.share(), query);
-        const DistributedImpacts impacts = detector.find(piece.share(), ImpactQuery());
+        const DistributedIntersections found = detector.find(piece.local(), query);
+        const DistributedImpacts impacts = detector.find(piece.local(), ImpactQuery());
         const ProximityQuery near{.radius = 0.05, .closest = true};
-        const DistributedProximities nearby = detector.find(piece.share(), near);
+        const DistributedProximities nearby = detector.find(piece.local(), near);
         EXPECT_TRUE(rows_are(found, piece, one.find(world, query))) << seed;
         EXPECT_TRUE(feature_rows_are(impacts, piece, one.find(world, ImpactQuery()))) << seed;
         EXPECT_TRUE(feature_rows_are(nearby, piece, one.find(world, near))) << seed;
@@ -151,8 +151,8 @@ TEST_F(MpiRanks, overlaps_match_a_single_detector) {
     for (unsigned seed = 1; seed <= 4; ++seed) {
         const ClosedBodies bodies = closed_bodies(seed, 9, seed % 2 == 0, false);
         const WorldPiece piece(bodies.view(), every_distribution[seed % 4], rank, ranks);
-        const DistributedOverlaps found = detector.find(piece.share(), everything);
-        const bool any = detector.any(piece.share(), OverlapQuery());
+        const DistributedOverlaps found = detector.find(piece.local(), everything);
+        const bool any = detector.any(piece.local(), OverlapQuery());
         const Overlaps& expected = one.find(bodies.view(), everything);
         EXPECT_GT(expected.count, 3) << seed;
         EXPECT_TRUE(overlaps_are(found, piece, expected)) << seed;
@@ -163,7 +163,7 @@ TEST_F(MpiRanks, overlaps_match_a_single_detector) {
     EXPECT_EQ(expected.count, 1);
     for (const Distribution how : every_distribution) {
         const MeshPiece piece(mesh, how, rank, ranks);
-        EXPECT_TRUE(is_overlap_of_mesh(detector.find(piece.share(), everything), piece, everything, expected));
+        EXPECT_TRUE(is_overlap_of_mesh(detector.find(piece.local(), everything), piece, everything, expected));
     }
     detector.close();
 }
@@ -187,7 +187,7 @@ TEST_F(MpiRanks, moving_scene_matches_a_single_detector) {
             xyz[i] = std::get<0>(start.vertices)[i] +
                      0.03f * std::sin(static_cast<float>(frame) + 0.01f * static_cast<float>(i % 700));
         piece.follow();
-        const DistributedIntersections& found = detector.find(piece.share());
+        const DistributedIntersections& found = detector.find(piece.local());
         EXPECT_TRUE(rows_are(found, piece.triangle_ids, one.find(now.view()))) << "frame " << frame;
     }
     detector.close();
@@ -201,8 +201,8 @@ TEST_F(MpiRanks, error_is_the_same_on_all_ranks_and_later_calls_succeed) {
     for (int failing = 0; failing < ranks; ++failing) {
         MeshPiece bad = good;
         if (rank == failing) std::get<0>(bad.vertices)[7] = std::numeric_limits<float>::quiet_NaN();
-        const Error error = error_of([&] { detector.find(bad.share()); });
-        const DistributedIntersections& found = detector.find(good.share());
+        const Error error = error_of([&] { detector.find(bad.local()); });
+        const DistributedIntersections& found = detector.find(good.local());
         std::array<char, 256> message{};
         std::string(error.what()).copy(message.data(), message.size() - 1);
         std::array<char, 256> of_rank_0 = message;
@@ -213,7 +213,7 @@ TEST_F(MpiRanks, error_is_the_same_on_all_ranks_and_later_calls_succeed) {
         EXPECT_TRUE(rows_are(found, good.triangle_ids, one.find(mesh.view())));
     }
     detector.close();
-    EXPECT_EQ(error_of([&] { count_pairs(detector, good.share()); }).code, ErrorCode::communication);
+    EXPECT_EQ(error_of([&] { count_pairs(detector, good.local()); }).code, ErrorCode::communication);
 }
 
 TEST_F(MpiRanks, threads_of_all_ranks_are_no_more_than_cores_or_ranks) {

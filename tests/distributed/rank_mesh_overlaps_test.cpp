@@ -41,7 +41,7 @@ testing::AssertionResult same_overlap(const WholeMesh& mesh, Distribution how, i
     run_ranks(ranks, [&](Transport& transport) {
         const MeshPiece piece(mesh, how, transport.rank(), ranks);
         RankDetector detector(transport, options);
-        verdicts.add(transport.rank(), is_overlap_of_mesh(detector.find(piece.share(), query), piece, query, expected));
+        verdicts.add(transport.rank(), is_overlap_of_mesh(detector.find(piece.local(), query), piece, query, expected));
     });
     return verdicts.all();
 }
@@ -87,7 +87,7 @@ TEST(RankMeshOverlaps, rank_0_has_the_result_of_a_mesh_without_triangles) {
     run_ranks(3, [&](Transport& transport) {
         const MeshPiece piece(mesh, Distribution::all_on_one, transport.rank(), 3);
         RankDetector detector(transport, for_meshes());
-        const DistributedOverlaps& found = detector.find(piece.share(), OverlapQuery());
+        const DistributedOverlaps& found = detector.find(piece.local(), OverlapQuery());
         if (found.any || found.rows.body_volume.size() != (transport.rank() == 0 ? 1u : 0u))
             throw std::runtime_error("another result");
     });
@@ -105,7 +105,7 @@ TEST(RankMeshOverlaps, open_meshes_are_skipped_or_the_same_error_on_all_ranks) {
         const MeshPiece piece(mesh, Distribution::blocks, transport.rank(), 3);
         RankDetector detector(transport, for_meshes());
         try {
-            detector.find(piece.share(), OverlapQuery());
+            detector.find(piece.local(), OverlapQuery());
         } catch (const Error& error) {
             messages[static_cast<std::size_t>(transport.rank())] = error.what();
         }
@@ -129,9 +129,9 @@ TEST(RankMeshOverlaps, detector_alternates_between_queries_and_moving_vertices) 
         for (const WholeMesh& frame : frames) {
             const MeshPiece piece(frame, Distribution::random, transport.rank(), 3);
             const OverlapQuery query{.gradient = true};
-            verdicts.add(transport.rank(), rows_are(detector.find(piece.share(), IntersectionQuery()),
+            verdicts.add(transport.rank(), rows_are(detector.find(piece.local(), IntersectionQuery()),
                                                     piece.triangle_ids, single.find(frame.view())));
-            verdicts.add(transport.rank(), is_overlap_of_mesh(detector.find(piece.share(), query), piece, query,
+            verdicts.add(transport.rank(), is_overlap_of_mesh(detector.find(piece.local(), query), piece, query,
                                                               single.find(frame.view(), query)));
         }
     });
@@ -146,7 +146,7 @@ TEST(RankMeshOverlaps, mesh_and_world_on_different_ranks_are_an_error) {
         RankDetector detector(transport, for_meshes());
         try {
             if (transport.rank() == 0)
-                detector.find(piece.share(), OverlapQuery());
+                detector.find(piece.local(), OverlapQuery());
             else
                 detector.find(LocalWorld(), OverlapQuery());
         } catch (const Error& error) {
@@ -170,12 +170,12 @@ TEST(RankMeshOverlaps, stop_and_memory_limit_of_one_rank_end_the_call_on_all) {
             if (rank == 2 && phase == Phase::rows) source.request_stop();
         });
         try {
-            detector.find(piece.share(), OverlapQuery(), rank == 2 ? source.get_token() : std::stop_token());
+            detector.find(piece.local(), OverlapQuery(), rank == 2 ? source.get_token() : std::stop_token());
         } catch (const Error& error) {
             stopped[rank] = error.code;
         }
         try {
-            small.find(piece.share(), OverlapQuery());
+            small.find(piece.local(), OverlapQuery());
         } catch (const Error& error) {
             limited[rank] = error.code;
         }

@@ -19,9 +19,9 @@ namespace crumple::test {
 
 /// Returns the number of pairs over all ranks.
 template <class Detector>
-std::int64_t count_pairs(Detector& detector, const LocalMesh& share, IntersectionQuery query = {}) {
+std::int64_t count_pairs(Detector& detector, const LocalMesh& local, IntersectionQuery query = {}) {
     query.output = Output::count;
-    return detector.find(share, query).count;
+    return detector.find(local, query).count;
 }
 
 enum class Distribution : std::uint8_t { blocks, round_robin, random, all_on_one };
@@ -108,17 +108,17 @@ class MeshPiece {
             },
             whole_->vertices);
     }
-    LocalMesh share() const {
-        LocalMesh share;
+    LocalMesh local() const {
+        LocalMesh local;
         std::visit(
             [&](const auto& xyz) {
-                share.mesh = MeshView(xyz.data(), static_cast<std::int64_t>(xyz.size() / 3), corners.data(),
+                local.mesh = MeshView(xyz.data(), static_cast<std::int64_t>(xyz.size() / 3), corners.data(),
                                       static_cast<std::int64_t>(corners.size() / 3), groups);
             },
             vertices);
-        share.triangle_ids = triangle_ids;
-        share.vertex_ids = vertex_ids;
-        return share;
+        local.triangle_ids = triangle_ids;
+        local.vertex_ids = vertex_ids;
+        return local;
     }
 
     std::variant<std::vector<float>, std::vector<double>> vertices;

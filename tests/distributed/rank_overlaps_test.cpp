@@ -40,7 +40,7 @@ testing::AssertionResult same_overlaps(const World& world, Distribution how, int
     run_ranks(ranks, [&](Transport& transport) {
         const WorldPiece piece(world, how, transport.rank(), ranks);
         RankDetector detector(transport, options);
-        verdicts.add(transport.rank(), overlaps_are(detector.find(piece.share(), query), piece, expected));
+        verdicts.add(transport.rank(), overlaps_are(detector.find(piece.local(), query), piece, expected));
     });
     return verdicts.all();
 }
@@ -117,7 +117,7 @@ TEST(RankOverlaps, open_bodies_are_skipped_have_curves_or_are_the_same_error_on_
         const WorldPiece piece(bodies.view(), Distribution::round_robin, transport.rank(), 3);
         RankDetector detector(transport, for_overlaps());
         try {
-            detector.find(piece.share(), OverlapQuery());
+            detector.find(piece.local(), OverlapQuery());
         } catch (const Error& error) {
             messages[static_cast<std::size_t>(transport.rank())] = error.what();
         }
@@ -132,10 +132,10 @@ TEST(RankOverlaps, rows_of_ranks_with_blocks_of_bodies_follow_each_other) {
     std::vector<Overlaps> found(4);
     run_ranks(4, [&](Transport& transport) {
         const WorldPiece piece(bodies.view(), Distribution::blocks, transport.rank(), 4);
-        LocalWorld share = piece.share();
-        share.body_ids = {};
+        LocalWorld local = piece.local();
+        local.body_ids = {};
         RankDetector detector(transport, for_overlaps());
-        found[static_cast<std::size_t>(transport.rank())] = detector.find(share, everything).rows;
+        found[static_cast<std::size_t>(transport.rank())] = detector.find(local, everything).rows;
     });
     JoinedRows joined;
     for (const Overlaps& rows : found) joined.add(rows);
@@ -159,10 +159,10 @@ TEST(RankOverlaps, detector_alternates_between_queries_and_moving_bodies) {
         Detector single({.backend = Backend::cpu, .threads = 1});
         for (const World& world : frames) {
             const WorldPiece piece(world, Distribution::random, transport.rank(), 3);
-            verdicts.add(transport.rank(), rows_are(detector.find(piece.share(), IntersectionQuery()), piece,
+            verdicts.add(transport.rank(), rows_are(detector.find(piece.local(), IntersectionQuery()), piece,
                                                     single.find(world, IntersectionQuery())));
             verdicts.add(transport.rank(),
-                         overlaps_are(detector.find(piece.share(), everything), piece, single.find(world, everything)));
+                         overlaps_are(detector.find(piece.local(), everything), piece, single.find(world, everything)));
         }
     });
     EXPECT_TRUE(verdicts.all());
@@ -186,7 +186,7 @@ TEST(RankOverlaps, work_is_divided_and_bodies_are_sent_only_to_ranks_that_search
     run_ranks(ranks, [&](Transport& transport) {
         const WorldPiece piece(bodies.view(), Distribution::all_on_one, transport.rank(), ranks);
         RankDetector detector(transport, for_overlaps());
-        of_rank[static_cast<std::size_t>(transport.rank())] = detector.find(piece.share(), OverlapQuery()).statistics;
+        of_rank[static_cast<std::size_t>(transport.rank())] = detector.find(piece.local(), OverlapQuery()).statistics;
     });
     std::int64_t largest = 0, all = 0;
     for (const DistributedStatistics& statistics : of_rank) {
@@ -202,7 +202,7 @@ TEST(RankOverlaps, work_is_divided_and_bodies_are_sent_only_to_ranks_that_search
         const WorldPiece piece(apart, Distribution::all_on_one, transport.rank(), 2);
         RankDetector detector(transport, for_overlaps());
         of_rank[static_cast<std::size_t>(transport.rank())] =
-            detector.find(piece.share(), OverlapQuery{.self_overlaps = true}).statistics;
+            detector.find(piece.local(), OverlapQuery{.self_overlaps = true}).statistics;
     });
     EXPECT_EQ(of_rank[1].parts, 1);  // the rank that has the body
     EXPECT_EQ(of_rank[1].bytes_sent, of_rank[0].bytes_sent);
@@ -224,12 +224,12 @@ std::string refusal_of_overlaps(Spoil spoil) {
         OverlapQuery query;
         spoil(transport.rank(), piece, query);
         try {
-            detector.find(piece.share(), query);
+            detector.find(piece.local(), query);
             messages[rank] = "nothing";
         } catch (const Error& error) {
             messages[rank] = error.what();
         }
-        if (!overlaps_are(detector.find(good.share(), OverlapQuery()), good, expected))
+        if (!overlaps_are(detector.find(good.local(), OverlapQuery()), good, expected))
             messages[rank] += ", and does not go on";
     });
     return messages[1] == messages[0] && messages[2] == messages[0]
@@ -315,12 +315,12 @@ TEST(RankOverlaps, stop_and_memory_limit_of_one_rank_end_the_call_on_all) {
             if (rank == 2 && phase == Phase::search) source.request_stop();
         });
         try {
-            detector.find(piece.share(), everything, rank == 2 ? source.get_token() : std::stop_token());
+            detector.find(piece.local(), everything, rank == 2 ? source.get_token() : std::stop_token());
         } catch (const Error& error) {
             stopped[rank] = error.code;
         }
         try {
-            small.find(piece.share(), everything);
+            small.find(piece.local(), everything);
         } catch (const Error& error) {
             limited[rank] = error.code;
         }

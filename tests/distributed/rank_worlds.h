@@ -43,7 +43,7 @@ class WorldPiece {
         take(whole.poses, poses);
         take(whole.end_poses, end_poses);
     }
-    LocalWorld share() const { return {{shapes, bodies, poses, end_poses}, ids}; }
+    LocalWorld local() const { return {{shapes, bodies, poses, end_poses}, ids}; }
     bool has(std::int32_t body) const { return std::find(ids.begin(), ids.end(), body) != ids.end(); }
 
     std::vector<Shape> shapes;

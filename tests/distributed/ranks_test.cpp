@@ -50,11 +50,11 @@ testing::AssertionResult same_as_one(const WholeMesh& mesh, Distribution how, in
         const int rank = transport.rank();
         const MeshPiece piece(mesh, how, rank, ranks);
         RankDetector detector(transport, options);
-        verdicts.add(rank, rows_are(detector.find(piece.share(), query), piece.triangle_ids, expected));
+        verdicts.add(rank, rows_are(detector.find(piece.local(), query), piece.triangle_ids, expected));
         IntersectionQuery smaller = query;
         smaller.output = Output::any;
-        const bool any = detector.find(piece.share(), smaller).any;
-        const std::int64_t count = count_pairs(detector, piece.share(), query);
+        const bool any = detector.find(piece.local(), smaller).any;
+        const std::int64_t count = count_pairs(detector, piece.local(), query);
         if (any != (count > 0) || count != static_cast<std::int64_t>(expected.pairs.size()))
             verdicts.add(rank, testing::AssertionFailure() << "any " << any << ", count " << count);
     });
@@ -184,7 +184,7 @@ TEST(Ranks, moving_scene_matches_a_single_detector) {
             for (std::size_t f = 0; f < frames; ++f) {
                 now.vertices = meshes[f].vertices;
                 piece.follow();
-                const DistributedIntersections& found = detector.find(piece.share());
+                const DistributedIntersections& found = detector.find(piece.local());
                 verdicts.add(rank, rows_are(found, piece.triangle_ids, expected[f]));
                 if (rank == 0) moved += found.statistics.moved;
             }
@@ -230,7 +230,7 @@ TEST(Ranks, pairs_match_a_single_detector_while_triangles_change_places) {
             for (std::size_t f = 0; f < frames; ++f) {
                 now.vertices = meshes[f].vertices;
                 piece.follow();
-                const DistributedIntersections& found = detector.find(piece.share());
+                const DistributedIntersections& found = detector.find(piece.local());
                 verdicts.add(transport.rank(), rows_are(found, piece.triangle_ids, expected[f]));
                 if (transport.rank() == 0) moved += found.statistics.moved;
             }
@@ -257,7 +257,7 @@ TEST(Ranks, parts_move_away_from_a_slow_rank) {
         RankDetector detector(transport, one_thread(9));
         detector.set_clock(fake_clock);
         for (int frame = 0; frame < 4; ++frame) {
-            const DistributedIntersections& found = detector.find(piece.share());
+            const DistributedIntersections& found = detector.find(piece.local());
             verdicts.add(rank, rows_are(found, piece.triangle_ids, expected));
             parts[static_cast<std::size_t>(rank)].push_back(found.statistics.parts);
         }
@@ -279,7 +279,7 @@ TEST(Ranks, progress_shows_each_phase_and_part_once) {
         detector.set_progress([&](const DistributedProgress& progress) { seen.push_back(progress); });
         for (int frame = 0; frame < 2; ++frame) {
             seen.clear();
-            const DistributedStatistics did = detector.find(piece.share()).statistics;
+            const DistributedStatistics did = detector.find(piece.local()).statistics;
             std::vector<Phase> phases;
             std::vector<int> done;
             bool even = true;
@@ -301,7 +301,7 @@ TEST(Ranks, progress_shows_each_phase_and_part_once) {
         }
         seen.clear();
         detector.set_progress({});
-        count_pairs(detector, piece.share());
+        count_pairs(detector, piece.local());
         if (!seen.empty()) verdicts.add(transport.rank(), testing::AssertionFailure() << "still shown");
     });
     EXPECT_TRUE(verdicts.all());
@@ -343,7 +343,7 @@ TEST(Ranks, pairs_match_a_single_detector_after_triangles_groups_or_precision_ch
             const MeshPiece piece(*steps[i].mesh, steps[i].how, rank, 3);
             for (int twice = 0; twice < 2; ++twice)
                 verdicts.add(rank,
-                             rows_are(detector.find(piece.share(), *steps[i].query), piece.triangle_ids, expected[i]));
+                             rows_are(detector.find(piece.local(), *steps[i].query), piece.triangle_ids, expected[i]));
         }
     });
     EXPECT_TRUE(verdicts.all());
@@ -369,7 +369,7 @@ TEST(Ranks, float64_on_one_rank_and_float32_on_others_match_a_single_detector) {
             const int rank = transport.rank();
             const MeshPiece piece(rank == 1 ? wide : mesh, Distribution::random, rank, 3);
             RankDetector detector(transport, one_thread());
-            verdicts.add(rank, rows_are(detector.find(piece.share(), IntersectionQuery{.output = Output::contacts}),
+            verdicts.add(rank, rows_are(detector.find(piece.local(), IntersectionQuery{.output = Output::contacts}),
                                         piece.triangle_ids, expected));
         });
         EXPECT_TRUE(verdicts.all());

@@ -151,14 +151,14 @@ auto RankDetector::run_exclusively(Work work) {
     }
 }
 
-template <class Share, class Query>
-typename Query::DistributedResult RankDetector::find(const Share& share, const Query& query) {
-    return run_exclusively([&](std::stop_token stop) { return detector_.find(share.view(), query, std::move(stop)); });
+template <class Local, class Query>
+typename Query::DistributedResult RankDetector::find(const Local& local, const Query& query) {
+    return run_exclusively([&](std::stop_token stop) { return detector_.find(local.view(), query, std::move(stop)); });
 }
 
-template <class Share, class Query>
-bool RankDetector::any(const Share& share, const Query& query) {
-    return run_exclusively([&](std::stop_token stop) { return detector_.any(share.view(), query, std::move(stop)); });
+template <class Local, class Query>
+bool RankDetector::any(const Local& local, const Query& query) {
+    return run_exclusively([&](std::stop_token stop) { return detector_.any(local.view(), query, std::move(stop)); });
 }
 
 void RankDetector::fail(nb::handle exception) {
@@ -208,11 +208,11 @@ template <class Query>
 void bind_query(nb::module_& module, nb::class_<RankDetector>& detector, const char* name) {
     nb::class_<Query>(module, name, "Query of all ranks.")
         .def("__init__", make_query<Query>, "query"_a, "excluded"_a.none());
-    const auto bind_local_mesh = [&]<class Share>(const Share*) {
+    const auto bind_local_mesh = [&]<class Local>(const Local*) {
         using Result = RankShown<typename Query::DistributedResult>;
-        const auto find = [](RankDetector& d, const Share& s, const Query& q) { return Result{d.find(s, q)}; };
-        const auto any = [](RankDetector& d, const Share& s, const Query& q) { return d.any(s, q); };
-        detector.def("find", find, "share"_a, "query"_a).def("any", any, "share"_a, "query"_a);
+        const auto find = [](RankDetector& d, const Local& s, const Query& q) { return Result{d.find(s, q)}; };
+        const auto any = [](RankDetector& d, const Local& s, const Query& q) { return d.any(s, q); };
+        detector.def("find", find, "local"_a, "query"_a).def("any", any, "local"_a, "query"_a);
     };
     bind_local_mesh(static_cast<const BorrowedLocalMesh*>(nullptr));
     bind_local_mesh(static_cast<const BorrowedLocalWorld*>(nullptr));
@@ -231,7 +231,7 @@ void bind_rank_detector(nb::module_& module) {
                 new (self) DistributedOptions(distributed_options(detector, parts, batch_bytes));
             },
             "detector"_a, "parts"_a.none(), "batch_bytes"_a.none());
-    nb::class_<BorrowedLocalMesh>(module, "Share", "Local mesh of a rank.")
+    nb::class_<BorrowedLocalMesh>(module, "Local", "Local mesh of a rank.")
         .def(nb::init<const RankDetector&, const nb::tuple&, nb::handle, nb::handle>(), "detector"_a, "mesh"_a,
              "triangle_ids"_a.none(), "vertex_ids"_a.none());
     nb::class_<RankDetector> detector(module, "Detector",

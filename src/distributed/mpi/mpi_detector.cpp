@@ -161,15 +161,15 @@ void Detector::close() {
 }
 
 template <class Query, class RankMesh>
-const typename Query::DistributedResult& Detector::find(const RankMesh& share, const Query& query,
+const typename Query::DistributedResult& Detector::find(const RankMesh& local, const Query& query,
                                                         std::stop_token stop) {
-    return open().detector.find(share, query, std::move(stop));
+    return open().detector.find(local, query, std::move(stop));
 }
 template <class Query, class RankMesh>
-bool Detector::any(const RankMesh& share, const Query& query, std::stop_token stop) {
+bool Detector::any(const RankMesh& local, const Query& query, std::stop_token stop) {
     Query whether = query;
     whether.output = Output::any;
-    return find(share, whether, std::move(stop)).any;
+    return find(local, whether, std::move(stop)).any;
 }
 
 #define CRUMPLE_FIND(RankMesh, Query)                                                                  \

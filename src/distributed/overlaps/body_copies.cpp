@@ -17,10 +17,10 @@ std::int32_t BodyCopies::place_of(std::int32_t number) const {
 void BodyCopies::exchange(MessageBatches& batches, CollectiveCheck& agree, const Bodies& bodies,
                           const PairsOfBodies& pairs) {
     Transport& transport = batches.transport();
-    agree(Phase::room, [&] { list_leaving(bodies, pairs, transport.size(), transport.rank()); });
+    agree(Phase::memory, [&] { list_leaving(bodies, pairs, transport.size(), transport.rank()); });
     const Traffic traffic = traffic_of(batches, [&](std::size_t r) { return leaving_[r].size(); });
     const Traffic of_shapes = traffic_of(batches, [&](std::size_t r) { return leaving_shapes_[r].size(); });
-    agree(Phase::room, [&] {
+    agree(Phase::memory, [&] {
         coming_.resize(all(traffic.in));
         coming_shapes_.resize(all(of_shapes.in));
         const std::vector<std::int64_t> first_shape = first_of_each(of_shapes.in);
@@ -35,7 +35,7 @@ void BodyCopies::exchange(MessageBatches& batches, CollectiveCheck& agree, const
     };
     const auto is_float32 = [](const Shape& shape) { return shape.vertices.type == ScalarType::float32; };
     std::vector<std::vector<ShapeRow>> rows;
-    agree(Phase::room, [&] {
+    agree(Phase::memory, [&] {
         rows.resize(leaving_shapes_.size());
         for (std::size_t r = 0; r < rows.size(); ++r)
             for (const std::int32_t s : leaving_shapes_[r])
@@ -68,7 +68,7 @@ void BodyCopies::exchange(MessageBatches& batches, CollectiveCheck& agree, const
     };
     exchange_rows(
         batches, agree, bodies, [](const Shape& shape) { return shape.triangles.rows; }, read_corners, corners_);
-    agree(Phase::room, [&] {
+    agree(Phase::memory, [&] {
         read_local(bodies, pairs, transport.rank());
         add_copies(pairs);
     });
@@ -104,7 +104,7 @@ void BodyCopies::exchange_rows(MessageBatches& batches, CollectiveCheck& agree, 
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t i = 0; i < leaving_shapes_[r].size(); ++i) rows[r].add(count(shape_of(r, i)));
     const Traffic traffic = traffic_of(batches, [&](std::size_t r) { return rows[r].rows(); });
-    agree(Phase::room, [&] {
+    agree(Phase::memory, [&] {
         memory_.add(all(traffic.in) * sizeof(Row));
         coming.resize(all(traffic.in));
     });

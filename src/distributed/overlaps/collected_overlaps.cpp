@@ -64,15 +64,15 @@ struct BodyNumbers {
 
 }  // namespace
 
-const DistributedOverlaps& RankDetector::find(const LocalWorld& share, const OverlapQuery& query,
+const DistributedOverlaps& RankDetector::find(const LocalWorld& local, const OverlapQuery& query,
                                               std::stop_token stop) {
     overlaps_ = {};
     guard(std::move(stop), [&] {
         check_(Phase::query, [&] {
-            asked_ = request_of_ranks(query, share.world);
-            bodies_.outline_whole(share, query.filter);
+            compared_ = request_of_ranks(query, local.world);
+            bodies_.outline_whole(local, query.filter);
         });
-        check_query_of_ranks(bodies_.share(), nullptr);
+        check_query_of_ranks(bodies_.local_mesh(), nullptr);
         bodies_.number_whole(transport_, check_);
         find_overlaps(query);
     });
@@ -84,7 +84,7 @@ void RankDetector::find_overlaps(const OverlapQuery& query) {
     PairsOfBodies pairs;
     list_pairs_of_bodies(query, pairs);
     BodyCopies copies(engine_->memory());
-    copies.exchange(rounds_, check_, bodies_, pairs);
+    copies.exchange(batches_, check_, bodies_, pairs);
     // Overlaps of bodies with themselves, and of pairs:
     std::array found{metered_overlaps(&engine_->memory()), metered_overlaps(&engine_->memory())};
     bool any = false;
@@ -228,7 +228,7 @@ void RankDetector::collect_overlaps(const OverlapQuery& query, std::array<Overla
         found = {};
         begin_rows(query, overlaps_.rows);
     });
-    messages.exchange(rounds_, check_, overlaps_.rows);
+    messages.exchange(batches_, check_, overlaps_.rows);
 }
 
 }  // namespace crumple::distribute

@@ -19,12 +19,12 @@
 
 namespace crumple::distribute {
 
-const DistributedOverlaps& RankDetector::find(const LocalMesh& share, const OverlapQuery& query, std::stop_token stop) {
+const DistributedOverlaps& RankDetector::find(const LocalMesh& local, const OverlapQuery& query, std::stop_token stop) {
     overlaps_ = {};
     OverlapQuery with_itself = query;
     with_itself.self_overlaps = true;
-    answer(
-        share, nullptr, [&] { return request_of_ranks(with_itself, share.mesh); }, [] {}, std::move(stop),
+    run(
+        local, nullptr, [&] { return request_of_ranks(with_itself, local.mesh); }, [] {}, std::move(stop),
         [&] { find_overlap_of_mesh(with_itself); });
     overlaps_.statistics = statistics_;
     return overlaps_;
@@ -32,16 +32,16 @@ const DistributedOverlaps& RankDetector::find(const LocalMesh& share, const Over
 
 // Returns the rank that provided triangle 0, or 0 if there is none.
 int RankDetector::rank_of_first_triangle() {
-    const Ids& ids = share_.triangles();
+    const Ids& ids = local_.triangles();
     std::int64_t rank = 0;
-    for (std::int64_t t = 0; t < share_.scene().triangle_count(); ++t)
+    for (std::int64_t t = 0; t < local_.scene().triangle_count(); ++t)
         if (ids(t) == 0) rank = transport_.rank();
     reduce({&rank, 1}, Reduction::max);
     return static_cast<int>(rank);
 }
 
 void RankDetector::find_overlap_of_mesh(const OverlapQuery& query) {
-    GatheredMesh whole(rounds_, check_, engine_->memory(), rank_of_first_triangle());
+    GatheredMesh whole(batches_, check_, engine_->memory(), rank_of_first_triangle());
     {
         Array<Pair> pairs(&engine_->memory());
         const auto each = [&](AssembledPart& part) {
@@ -56,7 +56,7 @@ void RankDetector::find_overlap_of_mesh(const OverlapQuery& query) {
         add_up(static_cast<std::int64_t>(pairs.size()), false);
         whole.gather(pairs.span());
     }
-    whole.gather(share_, float32_);
+    whole.gather(local_, float32_);
     check_(Phase::output, [&] {
         Overlaps& rows = overlaps_.rows;
         if (!whole.is_root()) return begin_rows(query, rows);

@@ -63,13 +63,13 @@ void CollectiveCheck::throw_if_any_failed(const std::exception_ptr& failed) {
         in = in && key[k] == least;
     }
     const int root = static_cast<int>(least);
-    Error error = share(mine, root);
+    Error error = broadcast(mine, root);
     if (failed && !is_error(failed)) std::rethrow_exception(failed);
     throw error;
 }
 
 // Broadcasts the error of the rank `root`.
-Error CollectiveCheck::share(const std::optional<Error>& mine, int root) {
+Error CollectiveCheck::broadcast(const std::optional<Error>& mine, int root) {
     const bool here = transport_.rank() == root;
     std::array<std::int64_t, 6> head{};
     std::string message;

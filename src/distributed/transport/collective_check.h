@@ -44,7 +44,7 @@ class CollectiveCheck {
 
    private:
     void throw_if_any_failed(const std::exception_ptr& failed);
-    Error share(const std::optional<Error>& mine, int root);
+    Error broadcast(const std::optional<Error>& mine, int root);
 
     Transport& transport_;
 };

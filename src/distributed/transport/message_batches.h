@@ -96,8 +96,8 @@ class MessageBatches {
     // Returns the maximum number of rows in a message. Each pair of ranks has an equal share of a batch, so that both
     // ends know the length of a message.
     std::int64_t rows_at_once(std::size_t row_bytes) const {
-        const std::int64_t share = std::min<std::int64_t>(bytes_ / transport_.size(), std::int64_t{1} << 30);
-        return std::max<std::int64_t>(1, share / static_cast<std::int64_t>(row_bytes));
+        const std::int64_t piece = std::min<std::int64_t>(bytes_ / transport_.size(), std::int64_t{1} << 30);
+        return std::max<std::int64_t>(1, piece / static_cast<std::int64_t>(row_bytes));
     }
     void send(int rank, std::span<const std::byte> bytes) {
         out_.push_back({rank, bytes});
