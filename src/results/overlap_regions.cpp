@@ -25,6 +25,8 @@ struct EdgeEnd {
     std::int32_t face;  ///< a face with that edge, and which of its edges it is
     std::uint8_t edge;
     bool upward;  ///< true if that face traverses the edge from `low` to `high`
+    /// Where on the edge, from `low` to `high`; its error is infinite if that is not known in float64.
+    RoundedParameter parameter = {};
 
     auto edge_key() const { return std::tie(side, low, high); }
     /// Keys in the order of (side, low, high) and of (crossed, segment).
@@ -34,12 +36,10 @@ struct EdgeEnd {
     }
 };
 
-/// Number of segments on a face up to which boxes that are not tight are sufficient, and all pairs may be compared.
-constexpr std::size_t most_in_loose_boxes = 16;
-/// Number of segments on a face up to which all pairs are compared: most are on sheets with a common edge.
-constexpr std::size_t most_without_boxes = 4;
-/// Error of parameters in float64 up to which boxes are tight; otherwise double words compute them.
-constexpr double largest_error_of_tight_boxes = 0x1p-40;
+/// Number of segments on a face up to which all pairs may be compared.
+constexpr std::size_t most_compared_in_pairs = 16;
+/// Error of parameters in float64 up to which boxes of crossings use them, instead of double words.
+constexpr double largest_error_of_boxes = 0x1p-40;
 
 class RegionFinder {
    public:
@@ -48,7 +48,8 @@ class RegionFinder {
           cancellation_(cancellation),
           sets_(2 * input.segments.size() + input.inside[0].size() + input.inside[1].size()),
           chains_{DisjointSets(input.segments.size()), DisjointSets(input.segments.size())},
-          merged_(input.segments.size()) {
+          merged_(input.segments.size()),
+          box_(input.segments.size(), no_bounds) {
         auto first = static_cast<std::int32_t>(2 * in_.segments.size());
         for (std::size_t side = 0; side < 2; ++side) {
             element_[side].assign(in_.vertex_count[side], -1);
@@ -70,6 +71,8 @@ class RegionFinder {
    private:
     EdgeEnd edge_end(std::size_t segment, bool start) const;
     void list_ends();
+    void locate_crossings(std::size_t begin, std::size_t end);
+    Bounds box_at(const CrossedEdge& edge, const RoundedParameter& parameter) const;
     void sort_along_edge(std::size_t begin, std::size_t end);
     CrossedEdge crossed_edge(const EdgeEnd& end) const;
     void join_along_edges();
@@ -77,7 +80,6 @@ class RegionFinder {
     void join_uncrossed_edges(std::size_t side);
     void join_within_faces(std::size_t side);
     void join_crossing_sheets(std::size_t side, std::span<const std::int32_t> on_face);
-    Bounds box_of(std::int32_t segment, bool tight) const;
     int common_vertices(std::size_t side, std::int32_t face, std::int32_t other) const;
     bool sheets_cross(std::size_t side, const Segment& s, const Segment& t) const;
     void join_loops(std::size_t side, std::span<const std::int32_t> on_face);
@@ -112,6 +114,7 @@ class RegionFinder {
     DisjointSets sets_;
     std::array<DisjointSets, 2> chains_;  ///< by surface: segments that are connected within one of its faces
     std::vector<std::uint8_t> merged_;    ///< by segment: 1 if it crosses another one on a face
+    std::vector<Bounds> box_;             ///< by segment: boxes that contain its two ends
     std::array<std::vector<std::int32_t>, 2> element_;  ///< by surface and vertex: index in sets_, or −1 if not inside
     std::vector<EdgeEnd> ends_;                         ///< sorted by edge, and along each edge
     std::array<std::vector<std::uint8_t>, 2> crossed_;  ///< by surface and face: bit k is set if its edge k is crossed
@@ -167,57 +170,87 @@ CrossedEdge RegionFinder::crossed_edge(const Segment& segment, const SegmentEnd&
     return edge;
 }
 
+// Computes where the ends on one edge, which are sorted by crossed face, lie on it and in space.
+void RegionFinder::locate_crossings(std::size_t begin, std::size_t end) {
+    CrossedEdge edge = crossed_edge(ends_[begin]);
+    Bounds box;
+    for (std::size_t i = begin; i < end; ++i) {
+        EdgeEnd& at = ends_[i];
+        if (i > begin && at.crossed == ends_[i - 1].crossed) {
+            at.parameter = ends_[i - 1].parameter;
+        } else {
+            edge.face = in_.face(1 - edge.side, at.crossed).corner;
+            if (in_.in_range) at.parameter = rounded_parameter(edge.from, edge.to, edge.face);
+            box = box_at(edge, at.parameter);
+        }
+        box_[static_cast<std::size_t>(at.segment)].widen(box);
+    }
+}
+
+// Returns a box that contains the point of a crossing: the intersection of the boxes of the edge and of the face, or a
+// smaller one if coordinates are in range.
+Bounds RegionFinder::box_at(const CrossedEdge& edge, const RoundedParameter& parameter) const {
+    const auto& [p, q, r] = edge.face;
+    if (!in_.in_range)
+        return {max(min(edge.from, edge.to), min(p, min(q, r))), min(max(edge.from, edge.to), max(p, max(q, r)))};
+    std::optional<Enclosed> enclosed;
+    if (parameter.error > largest_error_of_boxes) enclosed = enclosed_parameter(edge.from, edge.to, edge.face);
+    Bounds box;
+    for (int axis = 0; axis < 3; ++axis) {
+        RoundedNumber x = RoundedNumber::between(edge.from[axis], edge.to[axis], parameter);
+        if (enclosed) {
+            const Enclosed y =
+                Enclosed(edge.from[axis]) + *enclosed * Enclosed::difference(edge.to[axis], edge.from[axis]);
+            x = {y.value.high, y.error + 0x1p-52 * y.magnitude()};
+        }
+        box.low[axis] = x.value - x.error;
+        box.high[axis] = x.value + x.error;
+    }
+    return box;
+}
+
 // Sorts the ends on one edge, which are sorted by crossed face, along the edge from its lower to its higher vertex.
 void RegionFinder::sort_along_edge(std::size_t begin, std::size_t end) {
-    struct Crossing {
-        CrossedEdge edge;
-        RoundedParameter parameter;
-        std::int32_t crossed;
-        std::optional<Enclosed> enclosed = {};  ///< more precise parameters, once they are needed
-        std::optional<ShiftedNumber> exact = {};
-
-        const Enclosed& precise_parameter() {
-            if (!enclosed) enclosed = enclosed_parameter(edge.from, edge.to, edge.face);
-            return *enclosed;
-        }
-        const ShiftedNumber& exact_parameter() {
-            if (!exact) exact = shifted_parameter(edge);
-            return *exact;
-        }
-    };
     if (ends_[end - 1].crossed == ends_[begin].crossed) return;
-    std::vector<Crossing> crossings;
-    for (std::size_t i = begin; i < end; ++i) {
-        if (i > begin && ends_[i].crossed == ends_[i - 1].crossed) continue;
-        Crossing& crossing = crossings.emplace_back(Crossing{crossed_edge(ends_[i]), {}, ends_[i].crossed});
-        const CrossedEdge& edge = crossing.edge;
-        if (in_.in_range) crossing.parameter = rounded_parameter(edge.from, edge.to, edge.face);
-    }
-    std::vector<std::size_t> order(crossings.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
-        Crossing &x = crossings[i], &y = crossings[j];
+    struct PreciseParameter {
+        CrossedEdge edge;
+        std::optional<Enclosed> enclosed = {};
+        std::optional<ShiftedNumber> shifted = {};
+    };
+    std::map<std::int32_t, PreciseParameter> precise;  // by crossed face, once they are needed
+    const auto precise_at = [&](const EdgeEnd& at) -> PreciseParameter& {
+        return precise.try_emplace(at.crossed, PreciseParameter{crossed_edge(at)}).first->second;
+    };
+    const auto enclosed_at = [&](const EdgeEnd& at) -> const Enclosed& {
+        auto& [edge, enclosed, shifted] = precise_at(at);
+        if (!enclosed) enclosed = enclosed_parameter(edge.from, edge.to, edge.face);
+        return *enclosed;
+    };
+    const auto shifted_at = [&](const EdgeEnd& at) -> const ShiftedNumber& {
+        auto& [edge, enclosed, shifted] = precise_at(at);
+        if (!shifted) shifted = shifted_parameter(edge);
+        return *shifted;
+    };
+    const auto range = std::span(ends_).subspan(begin, end - begin);
+    std::stable_sort(range.begin(), range.end(), [&](const EdgeEnd& x, const EdgeEnd& y) {
+        if (x.crossed == y.crossed) return false;
+        const double rounded = x.parameter.value - y.parameter.value;
+        if (std::abs(rounded) > (1 + 0x1p-40) * (x.parameter.error + y.parameter.error)) return rounded < 0;
         cancellation_.check();
         if (in_.in_range) {
-            const double rounded = x.parameter.value - y.parameter.value;
-            if (std::abs(rounded) > (1 + 0x1p-40) * (x.parameter.error + y.parameter.error)) return rounded < 0;
-            const Enclosed difference = x.precise_parameter() - y.precise_parameter();
+            const Enclosed difference = enclosed_at(x) - enclosed_at(y);
             if (difference.magnitude() > (1 + 0x1p-40) * difference.error) return difference.value.high < 0;
         }
-        const int sign = (x.exact_parameter() - y.exact_parameter()).sign();
+        const int sign = (shifted_at(x) - shifted_at(y)).sign();
         return sign != 0 ? sign < 0 : x.crossed < y.crossed;
     });
-    std::map<std::int32_t, std::size_t> rank;
-    for (std::size_t i = 0; i < order.size(); ++i) rank[crossings[order[i]].crossed] = i;
-    std::stable_sort(ends_.begin() + static_cast<std::ptrdiff_t>(begin),
-                     ends_.begin() + static_cast<std::ptrdiff_t>(end),
-                     [&](const EdgeEnd& x, const EdgeEnd& y) { return rank[x.crossed] < rank[y.crossed]; });
 }
 
 void RegionFinder::join_along_edges() {
     for (std::size_t begin = 0, end = 0; begin < ends_.size(); begin = end) {
         cancellation_.check();
         while (end < ends_.size() && ends_[end].edge_key() == ends_[begin].edge_key()) ++end;
+        locate_crossings(begin, end);
         sort_along_edge(begin, end);
         join_edge(begin, end);
     }
@@ -276,73 +309,25 @@ void RegionFinder::join_within_faces(std::size_t side) {
 // Joins the segments on one face that cross, because the faces in which they lie cross. Sweeps over boxes of segments
 // along the axis on which their middles are spread most.
 void RegionFinder::join_crossing_sheets(std::size_t side, std::span<const std::int32_t> on_face) {
-    const auto join_if_crossing = [&](std::int32_t first, std::int32_t second) {
-        cancellation_.check();
-        const auto s = static_cast<std::size_t>(first), t = static_cast<std::size_t>(second);
-        if (!sheets_cross(side, in_.segments[s], in_.segments[t])) return;
-        join_segments_of_both(first, second);
-        merged_[s] = merged_[t] = 1;
-    };
-    if (on_face.size() <= most_without_boxes) {
-        for (std::size_t i = 0; i < on_face.size(); ++i)
-            for (std::size_t j = i + 1; j < on_face.size(); ++j) join_if_crossing(on_face[i], on_face[j]);
-        return;
-    }
-    struct Sheet {
-        Bounds box = no_bounds;
-        std::int32_t segment;
-    };
-    std::vector<Sheet> sheets;
-    sheets.reserve(on_face.size());
+    const auto box = [&](std::int32_t s) -> const Bounds& { return box_[static_cast<std::size_t>(s)]; };
     Bounds middles = no_bounds;
-    for (const std::int32_t s : on_face) {
-        Sheet& sheet = sheets.emplace_back(Sheet{box_of(s, on_face.size() > most_in_loose_boxes), s});
-        middles.widen(0.5 * sheet.box.low + 0.5 * sheet.box.high);
-    }
+    for (const std::int32_t s : on_face) middles.widen(0.5 * box(s).low + 0.5 * box(s).high);
     const Vec3d spread = 0.5 * middles.high - 0.5 * middles.low;
     const int axis = spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
-    std::sort(sheets.begin(), sheets.end(), [&](const Sheet& x, const Sheet& y) {
-        return std::pair(x.box.low[axis], x.segment) < std::pair(y.box.low[axis], y.segment);
+    std::vector<std::int32_t> order(on_face.begin(), on_face.end());
+    std::sort(order.begin(), order.end(), [&](std::int32_t s, std::int32_t t) {
+        return std::pair(box(s).low[axis], s) < std::pair(box(t).low[axis], t);
     });
-    for (std::size_t i = 0; i < sheets.size(); ++i) {
+    for (std::size_t i = 0; i < order.size(); ++i) {
         cancellation_.check();
-        for (std::size_t j = i + 1; j < sheets.size() && sheets[j].box.low[axis] <= sheets[i].box.high[axis]; ++j) {
-            if (overlap(sheets[i].box, sheets[j].box)) join_if_crossing(sheets[i].segment, sheets[j].segment);
+        for (std::size_t j = i + 1; j < order.size() && box(order[j]).low[axis] <= box(order[i]).high[axis]; ++j) {
+            if (!overlap(box(order[i]), box(order[j]))) continue;
+            const auto s = static_cast<std::size_t>(order[i]), t = static_cast<std::size_t>(order[j]);
+            if (!sheets_cross(side, in_.segments[s], in_.segments[t])) continue;
+            join_segments_of_both(order[i], order[j]);
+            merged_[s] = merged_[t] = 1;
         }
     }
-}
-
-// Returns a box that contains a segment, by its ends: for each end the intersection of the boxes of the edge and of the
-// face that cross there or, if `tight`, a box of the point itself.
-Bounds RegionFinder::box_of(std::int32_t segment, bool tight) const {
-    Bounds box = no_bounds;
-    const Segment& s = in_.segments[static_cast<std::size_t>(segment)];
-    for (const SegmentEnd& end : {s.start, s.end}) {
-        const CrossedEdge edge = crossed_edge(s, end);
-        if (!tight || !in_.in_range) {
-            const auto& [p, q, r] = edge.face;
-            box.low = min(box.low, max(min(edge.from, edge.to), min(p, min(q, r))));
-            box.high = max(box.high, min(max(edge.from, edge.to), max(p, max(q, r))));
-            continue;
-        }
-        const RoundedParameter rounded = rounded_parameter(edge.from, edge.to, edge.face);
-        if (rounded.error <= largest_error_of_tight_boxes) {
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto x = RoundedNumber::between(edge.from[axis], edge.to[axis], rounded);
-                box.low[axis] = min(box.low[axis], x.value - x.error);
-                box.high[axis] = max(box.high[axis], x.value + x.error);
-            }
-            continue;
-        }
-        const Enclosed t = enclosed_parameter(edge.from, edge.to, edge.face);
-        for (int axis = 0; axis < 3; ++axis) {
-            const Enclosed x = Enclosed(edge.from[axis]) + t * Enclosed::difference(edge.to[axis], edge.from[axis]);
-            const double error = x.error + 0x1p-52 * x.magnitude();
-            box.low[axis] = min(box.low[axis], x.value.high - error);
-            box.high[axis] = max(box.high[axis], x.value.high + error);
-        }
-    }
-    return box;
 }
 
 int RegionFinder::common_vertices(std::size_t side, std::int32_t face, std::int32_t other) const {
@@ -380,7 +365,7 @@ void RegionFinder::join_loops(std::size_t side, std::span<const std::int32_t> on
         return segment.start.side == side || segment.end.side == side;
     };
     if (std::all_of(on_face.begin(), on_face.end(), leaves_face)) return;
-    if (on_face.size() <= most_in_loose_boxes) {
+    if (on_face.size() <= most_compared_in_pairs) {
         const auto chain_leaves_face = [&](std::int32_t s) {
             const std::int32_t chain = chains_[side].find(s);
             return std::any_of(on_face.begin(), on_face.end(),

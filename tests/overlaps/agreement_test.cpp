@@ -68,6 +68,7 @@ TEST_P(OverlapAgreement, outputs_and_minimum_volumes_in_worlds_match_brute_force
     for (std::size_t b = 0; b < 6; ++b) bodies.bodies[b].world = b == 5 ? -1 : static_cast<std::int32_t>(b / 2);
     for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs, Output::pairs})
         for (const double least : {0.0, 0.5, 100.0}) compare(bodies.view(), {.output = output, .min_volume = least});
+    compare(bodies.view(), {.min_volume = 0.5, .curves = true, .unions = true, .regions = true});
 }
 
 TEST_P(OverlapAgreement, worlds_with_an_open_body_match_brute_force) {

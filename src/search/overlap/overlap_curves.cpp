@@ -69,18 +69,8 @@ FaceReader OverlapOfBodies::face_reader() const {
     };
 }
 
-void OverlapOfBodies::add_parts(const Request& request, OverlapRow& row) {
-    if (!request.curves && !request.regions && !request.extents) return;
-    const ForwardSegments forward = forward_segments();
-    std::vector<std::int32_t> region_of_segment;
-    if (request.regions) row.regions = regions(forward, region_of_segment);
-    if (request.extents) row.extent = extent(row.numbers.normal, forward);
-    if (request.curves) row.curves = curves(row.numbers.point, forward, region_of_segment);
-}
-
-std::vector<OverlapCurve> OverlapOfBodies::curves(const Vec3d& point, const ForwardSegments& forward,
-                                                  const std::vector<std::int32_t>& region_of_segment) {
-    const auto joined = join_segments(forward.segments, forward.links, face_reader());
+std::vector<OverlapCurve> OverlapOfBodies::curves(const Vec3d& point) {
+    const auto joined = join_segments(forward_.segments, forward_.links, face_reader());
 
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<OverlapCurve> curves(joined.size());
@@ -88,13 +78,13 @@ std::vector<OverlapCurve> OverlapOfBodies::curves(const Vec3d& point, const Forw
     for (std::size_t i = 0; i < joined.size(); ++i) {
         OverlapCurve& curve = curves[i];
         curve.closed = joined[i].closed;
-        if (!region_of_segment.empty())
-            curve.region = region_of_segment[static_cast<std::size_t>(joined[i].segments[0])];
+        if (!region_of_segment_.empty())
+            curve.region = region_of_segment_[static_cast<std::size_t>(joined[i].segments[0])];
         OverlapSums sums = sums_of_surfaces();
         sums.numbers = true;
         for (const std::int32_t s : joined[i].segments) {
             cancellation_.check();
-            Segment segment = forward.segments[static_cast<std::size_t>(s)];
+            Segment segment = forward_.segments[static_cast<std::size_t>(s)];
             curve.points.push_back(round(crossing_edge(sums_.surfaces, segment, segment.start)));
             curve.triangles.push_back({segment.a, segment.b});
             segment.times = 2;

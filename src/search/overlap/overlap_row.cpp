@@ -76,7 +76,8 @@ OverlapRow OverlapOfBodies::find_open(const PlacedSurface& a, const PlacedSurfac
     row.exists = surfaces_meet_;
     if (!row.exists || !request.numbers) return row;
     row.numbers.contact_area = contact_area();
-    if (request.curves) row.curves = curves(origin, forward_segments(), {});
+    forward_ = forward_segments();
+    if (request.curves) row.curves = curves(origin);
     return row;
 }
 
@@ -88,6 +89,11 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
     row.exists = surfaces_meet_ || !steps(0).intervals().empty() || !steps(1).intervals().empty();
     if (!row.exists) return row;
     count_faces();
+    if (self_ == 0 && (request.curves || request.regions || request.extents)) forward_ = forward_segments();
+    // Regions come first if their sums make those of the row, unless a row without the least volume needs no regions.
+    const bool has_regions = request.regions && self_ == 0;
+    const bool sums_regions = has_regions && request.min_volume == 0 && regions_have_all_sums();
+    if (sums_regions) row.regions = regions(true);
     if (request.numbers)
         row.numbers = finish(sums_, sums_.surfaces.origin, self_ != 0);
     else
@@ -102,7 +108,10 @@ OverlapRow OverlapOfBodies::find(const Request& request) {
         if (request.windings) row.windings[side] = windings(side);
     }
     if (request.unions && !self_) add_unions(request.orientations, row);
-    if (!self_) add_parts(request, row);
+    if (self_) return row;
+    if (has_regions && !sums_regions) row.regions = regions(false);
+    if (request.extents) row.extent = extent(row.numbers.normal);
+    if (request.curves) row.curves = curves(row.numbers.point);
     return row;
 }
 

@@ -113,14 +113,14 @@ class OverlapOfBodies {
     };
     ForwardSegments forward_segments() const;
     FaceReader face_reader() const;
-    /// Adds curves, regions and extents to the row, as requested.
-    void add_parts(const Request& request, OverlapRow& row);
-    /// Returns the curves (overlap_curves.cpp). Torques are about `point`. `region_of_segment` may be empty.
-    std::vector<OverlapCurve> curves(const Vec3d& point, const ForwardSegments& forward,
-                                     const std::vector<std::int32_t>& region_of_segment);
-    /// Returns the regions (overlap_region_numbers.cpp), and the region of each segment.
-    std::vector<OverlapRegion> regions(const ForwardSegments& forward, std::vector<std::int32_t>& region_of_segment);
-    OverlapExtent extent(const Vec3d& normal, const ForwardSegments& forward);
+    /// Returns the curves (overlap_curves.cpp). Torques are about `point`.
+    std::vector<OverlapCurve> curves(const Vec3d& point);
+    /// Returns the regions (overlap_region_numbers.cpp), and sets the region of each segment. `add_sums`: makes the
+    /// sums of the row from those of the regions; none may have been requested before.
+    std::vector<OverlapRegion> regions(bool add_sums);
+    /// True if the sums of all regions add up to those of the row: if both shifts have the same segments.
+    bool regions_have_all_sums() const;
+    OverlapExtent extent(const Vec3d& normal);
 
     // Gradient (overlap_gradient.cpp):
     template <class Number, class Wanted>
@@ -145,6 +145,8 @@ class OverlapOfBodies {
     int self_ = 0;                       ///< for a body with itself: its orientation; else 0
     std::array<ShiftedSteps, 2> steps_;  ///< by shift: forward, and for gradients also backward
     OverlapSums sums_;
+    ForwardSegments forward_;                      ///< if they are needed
+    std::vector<std::int32_t> region_of_segment_;  ///< of the forward shift; empty without regions
 };
 
 }  // namespace crumple

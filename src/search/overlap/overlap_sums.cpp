@@ -97,6 +97,13 @@ void OverlapSums::add_in_blocks() {
     curves_.in_blocks = totals.curves;
 }
 
+void OverlapSums::add_part(const OverlapSums& part) {
+    if (!part.volume_.in_blocks) return;
+    if (!volume_.in_blocks) volume_.in_blocks.emplace(), curves_.in_blocks.emplace();
+    volume_.in_blocks->add(*part.volume_.in_blocks);
+    curves_.in_blocks->add(*part.curves_.in_blocks);
+}
+
 bool OverlapSums::add_faces_on_device(std::size_t side, VolumeTotals<FixedSum>& totals) {
     if (!on_device.device || faces[side].size() < on_device.device->least_faces()) return false;
     std::vector<VolumeTerms<Enclosed>> sums;

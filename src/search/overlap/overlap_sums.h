@@ -45,6 +45,10 @@ class OverlapSums {
         return rounded(curves_, combine, divisor);
     }
 
+    /// Adds the first tier of the sums of some faces and segments, so that it is not computed again. Call it for parts
+    /// that make up all of them, before a sum is requested.
+    void add_part(const OverlapSums& part);
+
     /// True if some sum needed rational arithmetic.
     bool was_exact() const { return volume_.exact || curves_.exact; }
 
