@@ -110,7 +110,7 @@ def test_reports_are_saved_by_extension(tmp_path):
 def test_wrong_arguments_are_refused(tmp_path):
     with pytest.raises(TypeError, match="none is given"):
         crumple.check()
-    with pytest.raises(TypeError, match="did you mean 'clearance'"):
+    with pytest.raises(TypeError, match="Did you mean 'clearance'"):
         crumple.check(LOW, clearence=1)
     with pytest.raises(crumple.FileError, match="missing.stl"):
         crumple.check(tmp_path / "missing.stl")
