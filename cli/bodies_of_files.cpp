@@ -10,12 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/closest_word.h"
-#include "cli/common_unit.h"
+#include "cli/printed_units.h"
 #include "cli/search.h"
 #include "cli/terminal.h"
 #include "crumple/error.h"
 #include "io/bytes/source.h"
 #include "io/scenes/body_names.h"
+#include "io/scenes/world_mesh.h"
 
 namespace crumple::cli {
 namespace {
@@ -96,15 +97,11 @@ io::WorldMesh read_bodies(const std::vector<std::string>& files, const ReadingOp
                           std::vector<std::string>* file_of_body) {
     check_standard_input(files);
     io::WorldMesh all;
-    CommonUnit unit(options.strict);
+    io::CommonUnit unit = common_unit(options.strict);
     for (const std::string& file : files) {
         io::WorldMesh world = read_one(file, read_options(options));
         unit.apply(file, world);
-        if (all.unit == io::Unit::unknown) all.unit = world.unit;
-        const auto first = static_cast<std::int32_t>(all.shapes.size());
-        for (io::NamedBody& body : world.bodies) body.shape += first;
-        std::move(world.shapes.begin(), world.shapes.end(), std::back_inserter(all.shapes));
-        std::move(world.bodies.begin(), world.bodies.end(), std::back_inserter(all.bodies));
+        io::append(std::move(world), all);
         if (file_of_body) file_of_body->resize(all.bodies.size(), file);
     }
     io::make_names_unique(all.bodies);
@@ -190,14 +187,6 @@ std::vector<BodyPair> BodyNames::read_pairs(const std::string& path) const {
         begin = end == source.end() ? end : end + 1;
     }
     return pairs;
-}
-
-std::string quoted_name(const std::string& name) {
-    const bool odd = name.empty() || is_blank(name.front()) || is_blank(name.back()) || name.front() == '#' ||
-                     std::any_of(name.begin(), name.end(),
-                                 [](char c) { return c == '"' || std::iscntrl(static_cast<unsigned char>(c)); });
-    if (!odd) return name;
-    return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace crumple::cli

@@ -8,6 +8,7 @@
 
 #include "cli/command_options.h"
 #include "crumple/io.h"
+#include "io/scenes/body_names.h"
 
 namespace crumple::cli {
 
@@ -43,8 +44,6 @@ class BodyNames {
     std::vector<std::int32_t> sorted_;
 };
 
-/// Returns a name as text lists contain it: as a JSON string if it is empty, has a control character or a quote, begins
-/// with `#`, or begins or ends with a blank; otherwise unchanged.
-std::string quoted_name(const std::string& name);
+using io::quoted_name;
 
 }  // namespace crumple::cli

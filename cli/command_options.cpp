@@ -14,6 +14,7 @@
 
 #include "cli/choice.h"
 #include "crumple/error.h"
+#include "io/bytes/atomic_file.h"
 #include "io/bytes/gzip.h"
 #include "io/bytes/text.h"
 #include "io/formats.h"
@@ -319,7 +320,7 @@ void check_cost_options(const Options& options) {
 }
 
 void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
-                   const QueryOptions& options) {
+                   const QueryOptions& options, bool is_writer) {
     inputs.push_back(options.groups);
     std::vector<std::string> written = outputs;
     for (const std::string& output : outputs) {
@@ -334,6 +335,13 @@ void check_outputs(const std::vector<std::string>& outputs, std::vector<std::str
             throw Error(ErrorCode::invalid_argument, fmt::format("-o {} would overwrite the input {}", output, input),
                         Element::option);
         }
+    }
+    for (const std::string& output : outputs) {
+        std::error_code missing;
+        const auto status = std::filesystem::status(output, missing);
+        const bool is_pipe = is_standard(output) || std::filesystem::is_other(status) ||
+                             std::filesystem::is_character_file(status) || std::filesystem::is_fifo(status);
+        if (is_writer && !is_pipe) io::AtomicFile{output};
     }
 }
 

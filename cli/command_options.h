@@ -78,9 +78,10 @@ void add_polygons_option(CLI::App& app, QueryOptions& options);
 void add_format_option(CLI::App& app, std::string& format, const std::string& words);
 
 /// Throws Error (invalid_argument) if an output, or the .mtl file written beside an .obj output, is one of the files
-/// that are read. Recognises a file under any of its names.
+/// that are read. Recognises a file under any of its names. `is_writer`: true if this process writes the outputs;
+/// throws Error (file) if one of them cannot be written, before any other is.
 void check_outputs(const std::vector<std::string>& outputs, std::vector<std::string> inputs,
-                   const QueryOptions& options);
+                   const QueryOptions& options, bool is_writer = true);
 
 /// True for `-`, which stands for standard input or output.
 inline bool is_standard(const std::string& path) { return path == "-"; }

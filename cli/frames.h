@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/common_unit.h"
+#include "cli/printed_units.h"
 #include "cli/search.h"
 #include "scenes/scenes.h"
 
@@ -29,7 +29,7 @@ class SequenceFrames {
     std::string scene_name_;
     std::size_t scene_frames_ = 0;
     std::optional<scenes::Animation> scene_;
-    CommonUnit unit_{false};
+    io::CommonUnit unit_ = common_unit(false);
 };
 
 }  // namespace crumple::cli

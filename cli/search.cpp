@@ -6,14 +6,16 @@
 #include <iostream>
 #include <utility>
 
-#include "cli/common_unit.h"
+#include "checks/topology.h"
+#include "cli/printed_units.h"
 #include "cli/terminal.h"
 #include "cli/threads.h"
-#include "cli/topology.h"
 #include "crumple/error.h"
 #include "io/bytes/text.h"
 
 namespace crumple::cli {
+using checks::label_components;
+
 namespace {
 
 /// Reads a text file with one group (an integer) per line, for each triangle; skips blank lines and comments (#).
@@ -97,7 +99,7 @@ io::TriangleMesh read_mesh(const std::string& path, const ReadingOptions& option
 
 void convert_to_one_unit(const std::string& file, io::TriangleMesh& mesh, const std::string& second_file,
                          io::TriangleMesh& second, const ReadingOptions& options) {
-    CommonUnit unit(options.strict);
+    io::CommonUnit unit = common_unit(options.strict);
     unit.apply(file, mesh);
     unit.apply(second_file, second);
 }
@@ -364,33 +366,13 @@ std::string in_words_of_options(std::string message) {
     return message;
 }
 
-/// Returns the message with its origin. Replaces "body 7: " at its start by the file, the configuration and the name of
-/// that body; puts the names of all files in front of any other message.
-std::string message_with_origin(const std::string& message, const BodyOrigins& origins,
-                                std::int64_t first_configuration) {
-    constexpr std::string_view title = "body ";
-    const std::size_t count = origins.names.size();
-    std::size_t body = 0;
-    const char* const end = message.data() + message.size();
-    const char* rest = end;
-    if (message.starts_with(title) && count > 0) {
-        const auto number = std::from_chars(message.data() + title.size(), end, body);
-        if (number.ec == std::errc()) rest = number.ptr;
-    }
-    if (rest == end || *rest != ':') return origins.files + ": " + message;
-    const auto configuration = first_configuration + static_cast<std::int64_t>(body / count);
-    return origins.file_of_body[body % count] + ": " +
-           (first_configuration < 0 ? "" : "configuration " + std::to_string(configuration) + ", ") + "body " +
-           io::in_quotes(origins.names[body % count]) + std::string(rest, end);
-}
-
 }  // namespace
 
 Error with_origin(const Error& error, const BodyOrigins& origins, std::int64_t first_configuration) {
-    Error named(error.code, message_with_origin(in_words_of_options(error.what()), origins, first_configuration),
-                error.element, error.index, error.bytes_needed, error.system_error);
-    named.rank = error.rank;
-    return named;
+    Error reworded(error.code, in_words_of_options(error.what()), error.element, error.index, error.bytes_needed,
+                   error.system_error);
+    reworded.rank = error.rank;
+    return io::with_body_name(reworded, origins, first_configuration);
 }
 
 template <class Query>

@@ -10,6 +10,7 @@
 #include "cli/command_options.h"
 #include "crumple/detector.h"
 #include "crumple/error.h"
+#include "io/scenes/body_origins.h"
 
 namespace crumple::cli {
 
@@ -83,14 +84,10 @@ StepOrStatic read_step_or_static(const std::string& start, const std::string& en
 /// the second mesh; 0 for one mesh.
 void index_by_triangle(Intersections& found, std::int64_t triangles, std::int64_t second_triangles);
 
-/// Files and names of the bodies of a world, for messages.
-struct BodyOrigins {
-    std::string files;  ///< names of all files, for errors that concern no single body
-    std::vector<std::string> names, file_of_body;
-};
+using io::BodyOrigins;
 
-/// Returns an error about a world with the name of the body that it concerns, with its file and configuration, or else
-/// with the names of all files. `first_configuration`: as for SearchSession::find.
+/// Returns an error about a world with the name of the body that it concerns (io::with_body_name), in words of the
+/// command line instead of those of the library.
 Error with_origin(const Error& error, const BodyOrigins& origins, std::int64_t first_configuration);
 
 class AllowedThreads;
@@ -131,10 +128,12 @@ class SearchSession {
     const typename Query::Result& find(const BodyOrigins& origins, std::int64_t first_configuration, const World& world,
                                        const Query& query);
 
-   private:
-    IntersectionQuery query() const;
     /// Prints a warning if pairs may be missing, once in a session.
     void warn_of_losses(const Statistics& statistics);
+    Detector& detector() { return detector_; }
+
+   private:
+    IntersectionQuery query() const;
     QueryOptions query_options_;
     bool has_warned_ = false;
     std::unique_ptr<AllowedThreads> threads_;

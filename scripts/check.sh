@@ -37,6 +37,7 @@ src/backends/cpu                cpu stages agreement
 src/backends/reference          agreement worlds features candidates distances
 src/distributed                 distributed
 src/io                          io cli python
+src/checks                      cli python
 src                             detector worlds features python
 include                         detector worlds features python
 scenes                          scenes agreement

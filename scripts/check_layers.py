@@ -12,12 +12,12 @@ import re
 import sys
 from pathlib import Path
 
-LAYERS = "base geometry exact scene partition queries filters results backends search detector distributed io".split()
+LAYERS = "base geometry exact scene partition queries filters results backends search detector distributed io checks".split()
 BACKENDS = "reference cpu cuda".split()
 MOST_FILES = 40  # per folder below TOPS
 TOPS = "include src cli scenes".split()
 MODULES = """__main__ _core _mpi _errors _versions _arrays _queries _rigid_motion _mesh _world_arrays _world _results _drawing _overlaps _intersections
-    _features _feature_pairs _clustering _scene _stencils _pickle_checks _pickles _device _detector _files _ranks mpi __init__""".split()
+    _features _feature_pairs _clustering _scene _stencils _pickle_checks _pickles _device _detector _files _checks _ranks mpi __init__""".split()
 UPWARDS = {
     ("_results", "_pickles"),  # imported inside functions that pickle and copy call, after all modules
     ("_device", "_detector"),  # imported for type annotations only

@@ -56,6 +56,8 @@ class BodyScene {
     /// Returns the bodies of `count` configurations, one configuration after the other; each is a world of its own.
     /// `self`: also search for pairs within a body, unless the body is excluded as a pair with itself.
     std::vector<Body> bodies(std::size_t count, bool self) const;
+    /// Returns the excluded pairs of bodies, as they are given.
+    const std::vector<BodyPair>& given_excluded() const { return excluded_; }
     /// Returns the excluded pairs of different bodies in `count` configurations, with the indices of bodies().
     std::vector<BodyPair> excluded(std::size_t count) const;
     /// Reads a file of poses: one pose for each body, in their order, for each configuration. Throws Error.

@@ -3,10 +3,10 @@
 #include <limits>
 #include <memory>
 
+#include "checks/check_report.h"
+#include "checks/check_writers.h"
+#include "checks/item_texts.h"
 #include "cli/bodies/body_scene.h"
-#include "cli/checks/check_report.h"
-#include "cli/checks/check_writers.h"
-#include "cli/checks/item_texts.h"
 #include "cli/commands.h"
 #include "cli/length_option.h"
 #include "cli/search_command.h"
@@ -16,16 +16,7 @@
 namespace crumple::cli {
 namespace {
 
-using CheckWriter = void (*)(std::ostream&, const CheckReport&);
-
-/// Returns the writer for an extension, or null.
-CheckWriter writer_of(const std::string& extension) {
-    if (extension == ".txt") return write_check_text;
-    if (extension == ".json") return write_check_json;
-    if (extension == ".csv") return write_check_csv;
-    if (extension == ".html") return write_check_page;
-    return nullptr;
-}
+using checks::CheckReport, checks::CheckedBody, checks::summary_of;
 
 struct CheckCommand {
     std::vector<std::string> files;
@@ -33,13 +24,13 @@ struct CheckCommand {
     QueryOptions query_options;
     Options options;
     BodyOptions bodies;
-    std::optional<GivenLength> ignore_below, clearance;
+    std::optional<LengthOption> ignore_below, clearance;
     bool json = false, progress = false;
 
     void check_options() const {
         check_format(outputs.paths, outputs.format);
         for (const std::string& path : outputs.paths)
-            if (!writer_of(extension_of(path, outputs.format)))
+            if (!checks::check_writer_of(extension_of(path, outputs.format)))
                 refuse("-o " + (path.empty() ? "''" : path) + (is_standard(path) ? " --format " + outputs.format : "") +
                        ": a check is written as .txt, .csv, .json or .html");
         if (json && std::any_of(outputs.paths.begin(), outputs.paths.end(), is_standard))
@@ -48,7 +39,7 @@ struct CheckCommand {
 
     void write(const CheckReport& report) const {
         for (const std::string& path : outputs.paths) {
-            const CheckWriter write_to = writer_of(extension_of(path, outputs.format));
+            const checks::CheckWriter write_to = checks::check_writer_of(extension_of(path, outputs.format));
             if (is_standard(path)) {
                 to_standard_output([&](std::ostream& out) { write_to(out, report); });
                 continue;
@@ -57,8 +48,9 @@ struct CheckCommand {
             write_to(file.stream(), report);
             file.commit();
         }
-        if (json) return to_standard_output([&](std::ostream& out) { write_check_json(out, report); });
-        if (outputs.paths.empty()) return to_standard_output([&](std::ostream& out) { write_check_text(out, report); });
+        if (json) return to_standard_output([&](std::ostream& out) { checks::write_check_json(out, report); });
+        if (outputs.paths.empty())
+            return to_standard_output([&](std::ostream& out) { checks::write_check_text(out, report); });
         if (outputs.have_files()) say(summary_of(report) + '\n');
     }
 
@@ -74,11 +66,13 @@ struct CheckCommand {
         const BodyScene scene(files, query_options, bodies);
         if (scene.names().empty()) refuse("check needs bodies; " + scene.origins().files + " holds none");
         const io::Unit unit = scene.mesh().unit;
-        CheckOptions check;
+        checks::CheckOptions check;
         if (ignore_below) check.ignore_below = ignore_below->in(unit);
         if (clearance) check.clearance = clearance->in(unit);
         steps.begin("check");
-        const CheckReport report = check_bodies(search, scene, check);
+        const CheckReport report =
+            checks::check_bodies(search.detector(), {scene.mesh(), scene.origins(), scene.given_excluded()}, check);
+        search.warn_of_losses(report.crossings.statistics);
         print_hints(report);
         steps.begin("write");
         write(report);
@@ -91,7 +85,7 @@ struct CheckCommand {
         for (std::int32_t b = 0; b < std::ssize(report.bodies); ++b) {
             const CheckedBody& body = report.bodies[static_cast<std::size_t>(b)];
             if (body.shells > 1 && 2 * std::int64_t{body.shells} > body.report.triangles)
-                print_note(name_of(report, {b}) +
+                print_note(checks::name_of(report, {b}) +
                            ": most faces share no vertices, so that each is a shell; --weld merges vertices at equal "
                            "positions");
         }

@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "checks/body_report.h"
 #include "cli/bodies_of_files.h"
-#include "cli/checks/body_report.h"
 #include "cli/commands.h"
 #include "cli/terminal.h"
 #include "crumple/device.h"
@@ -17,6 +17,8 @@
 
 namespace crumple::cli {
 namespace {
+
+using checks::BodyReport, checks::describe, checks::posed_body, checks::text_of_point;
 
 /// Returns the number of triangles and, in parentheses, at most five of them: "3 (5, 17, 40)".
 std::string some(const std::vector<std::int32_t>& triangles) {
@@ -102,7 +104,7 @@ struct Info {
                 const BodyReport report(posed, open_edges);
                 sound = sound && report.is_sound();
                 if (json) {
-                    list.push_back(json_of(body(b).name, posed, report));
+                    list.push_back(checks::json_of(body(b).name, posed, report));
                     continue;
                 }
                 if (scene) {

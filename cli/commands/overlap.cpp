@@ -147,7 +147,7 @@ struct OverlapCommand : SearchCommand {
         std::optional<io::WorldView> view;
         std::vector<Body> bodies;
         const auto read = [&] {
-            check_outputs(outputs.paths, inputs, query_options);
+            check_outputs(outputs.paths, inputs, query_options, /*is_writer=*/false);
             steps.begin("read");
             scene.emplace(files, query_options, overlap.bodies);
             view.emplace(scene->mesh().view());

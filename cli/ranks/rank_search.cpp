@@ -114,7 +114,7 @@ int search(RankLink& link, const SearchCommand& command, const std::vector<std::
     constexpr ListWords words = !of_features                         ? words_of_pairs
                                 : std::is_same_v<Query, ImpactQuery> ? words_of_impacts
                                                                      : words_of_near;
-    link.run_checked([&] { check_outputs(command.outputs.paths, files, command.query_options); });
+    link.run_checked([&] { check_outputs(command.outputs.paths, files, command.query_options, link.is_first()); });
     std::optional<AllowedThreads> threads;
     if (command.options.threads) threads.emplace(command.options.threads);
     const Steps steps(command.progress);

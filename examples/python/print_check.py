@@ -1,4 +1,4 @@
-"""Checks a part before it is printed: is it closed, does it pass through itself, and which shells does it have?
+"""Checks a part before it is printed: is it closed, does it pass through itself, and do its shells overlap?
 
 python print_check.py [PICTURE [PART.stl]]
 """
@@ -20,38 +20,16 @@ def make_part(path):
     crumple.write_mesh(path, (np.concatenate([vertices, handle]), np.concatenate([faces, faces + len(vertices)])))
 
 
-def shells(mesh):
-    """Returns the connected component of each triangle: lowers labels along shared vertices until nothing changes."""
-    label = np.arange(len(mesh.vertices))
-    while True:
-        lowest = label[mesh.faces].min(axis=1)
-        sunk = label.copy()
-        np.minimum.at(sunk, mesh.faces, lowest[:, None])
-        sunk = sunk[sunk]
-        if (sunk == label).all():
-            return np.unique(label[mesh.faces[:, 0]], return_inverse=True)[1]
-        label = sunk
-
-
-def open_edges(mesh):
-    """Counts the edges that belong to one triangle only. A surface that has such edges is not closed."""
-    edges = np.sort(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    return int((np.unique(edges, axis=0, return_counts=True)[1] == 1).sum())
-
-
 def check(path, picture):
-    part = crumple.read_mesh(path)  # an STL file has no vertex indices: vertices at equal positions are merged
-    result = crumple.Detector().intersections(part, output="contacts")
-    piece = shells(part)
-    across = int((piece[result.pairs[:, 0]] != piece[result.pairs[:, 1]]).sum())
-    gaps, within = open_edges(part), len(result) - across
-    print(f"{len(part.faces)} triangles in {piece.max() + 1} shells, {gaps} open edges")
-    print(f"{across} pairs between shells, {within} within one: ", end="")
-    if gaps or within:
-        print("repair the surface first")
+    report = crumple.check(path, unit="mm")
+    print(report)
+    kinds = {item.kind for item in report.items if item.finding}
+    overlaps = {"touching", "overlapping", "piercing"}  # shells that a slicer should unite
+    if not kinds:
+        print("closed, and free of itself")
     else:
-        print("unite the shells first" if across else "closed, and free of itself")
-    result.save(picture)
+        print("unite the shells first" if kinds <= overlaps else "repair the surface first")
+    crumple.intersections(crumple.read_mesh(path), output="contacts").save(picture)
 
 
 def main(picture="print_check.html", part=None):

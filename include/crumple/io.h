@@ -308,7 +308,7 @@ class CRUMPLE_API ColouredAnimation {
 
     /// Writes the frames added so far; more may follow. Throws crumple::Error (file, invalid_argument).
     void write(const std::filesystem::path& path);
-    /// Writes the same bytes to a stream. Does not throw if the stream fails: check its state.
+    /// Writes the same bytes to a stream. Also throws if the stream fails.
     void write(std::ostream& out);
 
    private:

@@ -25,6 +25,8 @@ Examples
     crumple.first_impact(vertices, next_vertices, faces)              # of a step: its time is .toi; None if it is free
     detector.proximities(vertices, faces, radius=0.01)                # features within a distance
     detector.distances(world).squared_distance                        # of each pair of bodies
+
+    print(crumple.check("plate.stl", "pin.stl", clearance="0.1mm"))   # a verdict on parts and assemblies
 """
 
 from __future__ import annotations
@@ -33,6 +35,8 @@ import functools as _functools
 from typing import Any as _Any
 
 from . import _versions  # noqa: F401, imported first: raises ImportError if two distributions are installed
+from ._checks import CheckItem as CheckItem
+from ._checks import CheckReport, check
 from ._clustering import Clustering
 from ._core import Part, Statistics, __version__
 from ._detector import Detector
@@ -112,6 +116,7 @@ __all__ = [
     "Body",
     "CandidateQuery",
     "Candidates",
+    "CheckReport",
     "Clustering",
     "Detector",
     "DeviceResult",
@@ -146,6 +151,7 @@ __all__ = [
     "__version__",
     "as_mesh",
     "candidates",
+    "check",
     "cut_rigid_motion",
     "distances",
     "first_impact",

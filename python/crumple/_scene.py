@@ -48,7 +48,12 @@ def scene_of(
         for name in [*attributes, *([] if second is None else ["a second argument"])]:
             raise InvalidType(f"{name} is for meshes, but the scene is a crumple.{type(given).__name__}")
         return given
-    if second is None and isinstance(given, (list, tuple)) and len(given) == 2 and all(map(is_mesh, given)):
+    if second is None and isinstance(given, (list, tuple)) and given and all(map(is_mesh, given)):
+        if len(given) != 2:
+            raise InvalidType(
+                f"a scene of several meshes has two, not {len(given)}; pass one mesh alone, and more than two as a "
+                "crumple.World"
+            )
         given, second = given
     if second is not None and is_mesh(second):
         for name in attributes:

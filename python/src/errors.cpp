@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <exception>
 #include <new>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <nanobind/stl/string.h>
 
@@ -56,10 +58,27 @@ const char* class_of(const Error& error) {
     return "InvalidInput";
 }
 
+// Replaces names of C++ members in a message by those of Python.
+std::string in_words_of_python(std::string message) {
+    constexpr std::pair<std::string_view, std::string_view> names[] = {
+        {"open_edges lists", "crumple.open_edges lists"},
+        {"OverlapQuery::weld", "weld=True"},
+        {"OverlapQuery::open", "open=\"skip\""},
+        {"IntersectionQuery::weld", "weld=True"},
+        {"IntersectionQuery::open", "open=\"skip\""},
+        {"IntersectionQuery::index", "index=True"},
+        {"Options::backend", "the option backend of crumple.Detector"},
+        {"Body::self", "self_collisions"},
+        {"Shape::", "Shape."}};
+    for (const auto& [member, name] : names)
+        if (const std::size_t at = message.find(member); at != message.npos) message.replace(at, member.size(), name);
+    return message;
+}
+
 void raise(const Error& error) {
     const nb::object type = nb::module_::import_("crumple._errors").attr(class_of(error));
     // File names need not be UTF-8: invalid bytes are written as \x80.
-    const std::string_view what = error.what();
+    const std::string what = in_words_of_python(error.what());
     const nb::object message =
         nb::steal(PyUnicode_DecodeUTF8(what.data(), static_cast<Py_ssize_t>(what.size()), "backslashreplace"));
     const nb::tuple given = nb::make_tuple(message);

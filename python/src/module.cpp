@@ -2,6 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include "checks.h"
 #include "crumple/version.h"
 #include "detector.h"
 #include "errors.h"
@@ -34,4 +35,5 @@ NB_MODULE(_core, module) {
     crumple::python::bind_feature_files(module);
     crumple::python::bind_feature_pairs(module);
     crumple::python::bind_stencils(module);
+    crumple::python::bind_checks(module);
 }

@@ -23,7 +23,7 @@ namespace crumple::python {
 namespace {
 
 using Path = std::filesystem::path;
-using Rows = nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using IndexRows = nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 template <class Number>
 using Column = nb::ndarray<const Number, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
@@ -74,7 +74,8 @@ nb::object read_poses(nb::handle path, const std::vector<std::string>& names) {
     return to_numpy(std::move(poses));
 }
 
-// Copies a world for the writers of files: its shapes, and the current contents of `poses`.
+}  // namespace
+
 io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std::string>& names) {
     const BorrowedWorld& given = given_world(world);
     const std::shared_ptr<const Bodies> bodies = given.bodies;
@@ -92,6 +93,8 @@ io::WorldMesh copy_of(nb::handle world, nb::handle poses, const std::vector<std:
     result.unit = unit_of(nb::getattr(world, "unit", nb::none()));
     return result;
 }
+
+namespace {
 
 [[noreturn]] void refuse_changed() {
     refuse("the world was changed after the search, so the result no longer fits it");
@@ -138,7 +141,7 @@ void fill(Array<Element>& array, const Given& given) {
 }
 
 void write_coloured(nb::handle path, nb::handle world, nb::handle poses, const std::vector<std::string>& names,
-                    const Rows& bodies, const Rows& pairs, const Column<std::uint8_t>& kinds,
+                    const IndexRows& bodies, const IndexRows& pairs, const Column<std::uint8_t>& kinds,
                     const Column<std::int64_t>& offsets, const Points& points) {
     const Path to = python::path("path", path);
     const io::WorldMesh mesh = copy_of(world, poses, names);
@@ -155,7 +158,7 @@ void write_coloured(nb::handle path, nb::handle world, nb::handle poses, const s
 }
 
 void write_coloured_overlaps(nb::handle path, nb::handle world, nb::handle poses, const std::vector<std::string>& names,
-                             const Rows& bodies, const Column<std::uint8_t>& relations) {
+                             const IndexRows& bodies, const Column<std::uint8_t>& relations) {
     const Path to = python::path("path", path);
     const io::WorldMesh mesh = copy_of(world, poses, names);
     Overlaps overlaps;

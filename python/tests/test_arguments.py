@@ -145,6 +145,8 @@ def test_error_names_the_wrong_argument_of_a_call(detector, tmp_path):
         (lambda: crumple.make_scene("cloth", seed=-1), "seed must be from 0 to 18446744073709551615, not -1"),
         (lambda: detector.intersections(MESH.vertices), "a mesh must be .*, not numpy.ndarray"),
         (lambda: detector.intersections((1, 2, 3, 4)), "a mesh must be .*, not a tuple of 4"),
+        (lambda: detector.any([MESH]), "a scene of several meshes has two, not 1; pass one mesh alone, .*"),
+        (lambda: detector.find([MESH] * 3), "a scene of several meshes has two, not 3; .* as a crumple.World"),
         (lambda: detector.intersections(None, MESH), "a mesh must be .*, not NoneType"),
         (
             lambda: detector.find(MESH, "pairs"),

@@ -21,7 +21,7 @@ SAYS = {
     "robot_in_its_surroundings": r"11 bodies .*\n354 of 500 configurations are free\n.*hand hits shelf\n",
     "plan_a_path": r"are free: True\n.*collides: True\na path of \d+ configurations, \d after .*; 0 of its motions collide",
     "a_thousand_worlds": r"5000 bodies in 1000 worlds: something collides in 864 of them\n  0 pairs .* 136 worlds #+\n",
-    "print_check": r"18432 triangles in 2 shells, 0 open edges\n688 pairs between shells, 0 within one: unite the shells first",
+    "print_check": r"part: closed, volume \S+ mm\^3, 18,432 triangles, 2 shells\n  .* passes through .*\n1 finding\nunite the shells first",
     "kinds_of_contact": r"crossing: segment \(1, 1, 0\) \(1.66667, 1, 0\)\n(.*\n)*.*hexagon: area( \(\S+ \S+ 0\)){6}\n",
     "parts_in_processes": r"together: \d+ pairs, each once, the same bytes as from one detector",
     "cloth_that_never_passes_through_itself": r"2330 triangles, 18 frames: 0 pairs .*\nimpacts held back: \d+;",

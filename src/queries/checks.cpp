@@ -118,7 +118,7 @@ void check_query_options(const IntersectionQuery& q) {
           "output must be any, any_by_world or body_pairs with containment: a body inside another one has no pairs of "
           "triangles; use an OverlapQuery for its volume");
     check(q.kind == IntersectionKind::all,
-          "kind must be all with containment; use OverlapQuery::min_volume to leave out bodies that only touch");
+          "kind must be all with containment; an overlap query with a min_volume leaves out bodies that only touch");
     check(q.open != OpenSurfaces::curves, "open must be error or skip with containment: curves is for overlaps only");
     check(!q.weld || q.neighbours == Neighbours::geometric, "neighbours must be geometric with containment and weld");
 }

@@ -35,6 +35,21 @@ std::string shells_off(const std::vector<TestBox>& boxes) {
     return "OFF\n" + std::to_string(first) + ' ' + std::to_string(triangles) + " 0\n" + points.str() + faces.str();
 }
 
+/// Returns two boxes as one shell in OFF: a tetrahedron beside them has a vertex in common with each.
+std::string bridged_off(const Corner& low, const Corner& high, const Corner& other_low, const Corner& other_high) {
+    std::ostringstream out;
+    out << "OFF\n18 28 0\n";
+    for (const auto& corners : {box_corners(low, high), box_corners(other_low, other_high)})
+        for (const auto& [x, y, z] : corners) out << x << ' ' << y << ' ' << z << '\n';
+    const auto& [x, y, z] = high;
+    out << x + 2 << ' ' << y + 2 << ' ' << z << '\n' << x + 2 << ' ' << y + 0.25 << ' ' << z + 1 << '\n';
+    for (const int first : {0, 8})
+        for (const auto& [a, b, c] : box_triangles)
+            out << "3 " << first + a << ' ' << first + b << ' ' << first + c << '\n';
+    out << "3 7 15 16\n3 7 17 15\n3 7 16 17\n3 15 17 16\n";
+    return out.str();
+}
+
 class Check : public Cli {
    protected:
     Check() {
@@ -170,6 +185,52 @@ TEST_F(Check, places_and_their_volume_agree_with_detect_and_overlap) {
     }
     EXPECT_GE(triangles, hit.size());
     EXPECT_LE(found["items"][0]["count"], hit.size());
+}
+
+TEST_F(Check, depth_of_a_shell_in_itself_is_that_of_the_bodies_that_it_consists_of) {
+    const Corner low{0.25, 0.25, 0.75}, high{0.75, 0.75, 2};
+    write("one.off", bridged_off({0, 0, 0}, {1, 1, 1}, low, high));
+    write("pin.off", box_off(low, high));
+    const Json found = json("one.off --unit mm"), item = found["items"][0], pair = json("low.off pin.off")["items"][0];
+    ASSERT_EQ(found["items"].size(), 1u) << found;
+    EXPECT_EQ(item["kind"], "self_intersection");
+    EXPECT_EQ(item["volume"], pair["volume"]);
+    EXPECT_NEAR(item["depth_reached"], 0.25, 0.0025);
+    EXPECT_LE(item["depth_reached"], 0.25);
+    EXPECT_GE(item["depth_bound"], 0.25);
+    EXPECT_NEAR(item["depth_bound"], pair["depth_bound"], 0.005);
+    expect_finding("one.off --unit mm", ": 10 triangles, overlap 0.0625 mm^3, greatest depth at most 0.25");
+}
+
+TEST_F(Check, faces_in_a_common_plane_do_not_hide_the_depth_of_a_shell_in_itself) {
+    write("one.off", bridged_off({0, 0, 0}, {1, 1, 1}, {0, 0, 0.75}, {1, 1, 2}));
+    const Json item = json("one.off")["items"][0];
+    EXPECT_EQ(item["volume"], 0.25);
+    EXPECT_NEAR(item["depth_reached"], 0.25, 0.0025);
+    EXPECT_NEAR(item["depth_bound"], 0.25, 0.0025);
+}
+
+TEST_F(Check, rod_through_a_plate_of_one_shell_is_one_place) {
+    write("one.off", bridged_off({0, 0, 0}, {4, 4, 1}, {1, 1, -1}, {2, 2, 2}));
+    const Json found = json("one.off");
+    ASSERT_EQ(found["items"].size(), 1u) << found;
+    const Json item = found["items"][0];
+    EXPECT_EQ(item["volume"], 1);
+    EXPECT_EQ(item["centre"], (Corner{1.5, 1.5, 0.5}));
+    EXPECT_NEAR(item["depth_reached"], 0.5, 0.005);
+    EXPECT_GE(item["depth_bound"], 0.5);
+}
+
+TEST_F(Check, every_overlap_of_a_shell_with_itself_has_a_volume_and_a_depth) {
+    ASSERT_EQ(crumple("make model --triangles 4000 -o part.ply").status, 0);
+    const Json found = json("part.ply");
+    double volume = 0;
+    for (const Json& item : found["items"]) {
+        volume += double{item["volume"]};
+        EXPECT_GT(item["depth_reached"], 0);
+        EXPECT_GE(item["depth_bound"], item["depth_reached"]);
+    }
+    EXPECT_NEAR(volume, found["bodies"][0]["overlap_with_itself"], 1e-9 * volume);
 }
 
 /// Makes a strip that passes through the two legs of a body: one shell, two places.
@@ -349,6 +410,17 @@ TEST_F(Check, many_places_are_counted_in_text_and_listed_in_files) {
     const std::string csv = read("many.csv");
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "many: most faces share no vertices, so that each is a shell; --weld "));
+}
+
+TEST_F(Check, no_output_is_replaced_if_another_one_cannot_be_written) {
+    for (const std::string command : {"check low.off high.off", "detect low.off high.off", "overlap low.off high.off",
+                                      "near low.off high.off --radius 1"}) {
+        write("old.csv", "old");
+        const Outcome outcome = crumple(command + " -o old.csv -o nowhere/new.csv");
+        EXPECT_EQ(outcome.status, 2) << command;
+        EXPECT_TRUE(contains(outcome.err, "nowhere")) << outcome.err;
+        EXPECT_EQ(read("old.csv"), "old") << command;
+    }
 }
 
 TEST_F(Check, wrong_use_is_refused) {

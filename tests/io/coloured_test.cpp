@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <fstream>
 #include <sstream>
 
 #include "io/formats.h"
@@ -271,6 +272,8 @@ TEST(ColouredAnimation, animation_shows_one_frame_at_a_time) {
     animation.write(folder / "three.glb");
     animation.add(sample_mesh(), nullptr, one_hit());
     animation.write(folder / "four.glb");
+    std::ofstream full("/dev/full");
+    EXPECT_THROW(animation.write(full), Error);
     for (const auto& [name, frames] : {std::pair("three.glb", 3), {"four.glb", 4}}) {
         const tinygltf::Model model = load_glb(folder / name);
         ASSERT_EQ(model.animations.size(), 1u);

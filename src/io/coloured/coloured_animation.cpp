@@ -42,6 +42,24 @@ struct ColouredAnimation::Implementation {
         animation.samplers.push_back(sampler);
         animation.channels.push_back(channel);
     }
+
+    /// Writes the frames added so far. Does not throw if the stream fails.
+    void write(std::ostream& out) {
+        // Removes the data of the animation from the model after writing, because more frames may be added later.
+        const std::size_t bytes = model.buffers.empty() ? 0 : model.buffers[0].data.size(),
+                          views = model.bufferViews.size(), accessors = model.accessors.size();
+        tinygltf::Animation animation;
+        animation.name = "frames";
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            if (nodes[i]) add_channel(model, animation, i);
+        }
+        if (!animation.channels.empty()) model.animations = {animation};
+        write_glb(out, model, unit);
+        model.animations.clear();
+        model.accessors.resize(accessors);
+        model.bufferViews.resize(views);
+        if (bytes) model.buffers[0].data.resize(bytes);
+    }
 };
 
 ColouredAnimation::ColouredAnimation(double frames_per_second) : implementation_(std::make_unique<Implementation>()) {
@@ -74,28 +92,16 @@ void ColouredAnimation::write(const std::filesystem::path& path) {
     if (extension_of(path) != ".glb") {
         throw Error(ErrorCode::invalid_argument, "cannot write " + path.string() + ": animations are written as .glb");
     }
+    const FloatEnvironment environment;
     AtomicFile file(path);
-    write(file.stream());
+    implementation_->write(file.stream());
     file.commit();
 }
 
 void ColouredAnimation::write(std::ostream& out) {
     const FloatEnvironment environment;
-    // Removes the data of the animation from the model after writing, because more frames may be added later.
-    tinygltf::Model& model = implementation_->model;
-    const std::size_t bytes = model.buffers.empty() ? 0 : model.buffers[0].data.size(),
-                      views = model.bufferViews.size(), accessors = model.accessors.size();
-    tinygltf::Animation animation;
-    animation.name = "frames";
-    for (std::size_t i = 0; i < implementation_->nodes.size(); ++i) {
-        if (implementation_->nodes[i]) implementation_->add_channel(model, animation, i);
-    }
-    if (!animation.channels.empty()) model.animations = {animation};
-    write_glb(out, model, implementation_->unit);
-    model.animations.clear();
-    model.accessors.resize(accessors);
-    model.bufferViews.resize(views);
-    if (bytes) model.buffers[0].data.resize(bytes);
+    implementation_->write(out);
+    if (!out.flush()) throw Error(ErrorCode::file, "cannot write an animation to the stream");
 }
 
 }  // namespace crumple::io

@@ -1,6 +1,6 @@
 #pragma once
 
-// Unique names of bodies.
+// Names of bodies: unique ones, and names in texts.
 
 #include <cstdint>
 #include <string>
@@ -27,5 +27,9 @@ inline void make_names_unique(std::vector<NamedBody>& bodies) {
         body.name = std::move(name);
     }
 }
+
+/// Returns a name as text lists contain it: as a JSON string if it is empty, has a control character or a quote, begins
+/// with `#`, or begins or ends with a blank; otherwise unchanged.
+std::string quoted_name(const std::string& name);
 
 }  // namespace crumple::io

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "base/float_environment.h"
@@ -146,6 +147,14 @@ TriangleMesh posed_mesh(const WorldMesh& world) {
     TriangleMesh mesh = single ? posed<float>(world) : posed<double>(world);
     mesh.unit = world.unit;
     return mesh;
+}
+
+void append(WorldMesh&& more, WorldMesh& all) {
+    if (all.unit == Unit::unknown) all.unit = more.unit;
+    const auto first = static_cast<std::int32_t>(all.shapes.size());
+    for (NamedBody& body : more.bodies) body.shape += first;
+    std::move(more.shapes.begin(), more.shapes.end(), std::back_inserter(all.shapes));
+    std::move(more.bodies.begin(), more.bodies.end(), std::back_inserter(all.bodies));
 }
 
 }  // namespace crumple::io

@@ -14,6 +14,9 @@ void validate(const WorldMesh& world);
 /// At that distance, rounding to float32 moves vertices by up to 1/16,384 of the body's size.
 const NamedBody* find_far_body(const WorldMesh& world);
 
+/// Moves the shapes and bodies of a world to the end of another one, whose unit it sets if that is unknown.
+void append(WorldMesh&& more, WorldMesh& all);
+
 /// Returns a world of one body with the identity pose.
 WorldMesh world_of(const TriangleMesh& mesh, std::string name = "mesh");
 
