@@ -30,7 +30,7 @@ CRUMPLE_ROUNDS=5 scripts/test.sh
 ctest --preset release -C nvcc -L nvcc -j "$(nproc)"
 
 # Compares the overlaps of a million pairs of small bodies with rational arithmetic; docs/overlap.md shows the output.
-CRUMPLE_ROUNDS=1000 build/tests/overlaps/overlaps_test --gtest_brief=1 --gtest_filter='OverlapSmallCases.*'
+CRUMPLE_ROUNDS=4000 build/tests/overlaps/overlaps_test --gtest_brief=1 --gtest_filter='OverlapSmallCases.*'
 
 # Tests the emulated CUDA device itself, which .ci/run tests only if its files have changed.
 cuda_on_cpu/test.sh

@@ -15,7 +15,7 @@ OPTIONS = {
     "curves": True,
     "windings": True,
     "depths": True,
-    "depth_tolerance": 0.01,
+    "depth_tolerance": 0.1,
     "directions": [(0, 0, 1), (1, 2, 3)],
     "translation": True,
     "unions": True,
@@ -50,7 +50,7 @@ def assert_same(found, whole):
     assert (found.any, found.count) == (whole.any, whole.count)
 
 
-@pytest.mark.parametrize("count", [1, 2, 7, 50])
+@pytest.mark.parametrize("count", [1, 7])  # C++ tests have more
 @pytest.mark.parametrize("scene", [ONE, [ONE, OTHER]], ids=["one", "two"])
 def test_parts_together_have_the_overlaps_of_the_whole(scene, count, either):
     query = crumple.OverlapQuery(**OPTIONS)

@@ -142,7 +142,7 @@ TEST_P(SelfTruth, pairs_and_contact_point_counts_match_ground_truth) {
 
 // Largest number of overlapping boxes for brute force: its rational arithmetic takes 20 us for each pair, several times
 // that under sanitizers. Larger scenes are compared with the ground truth only.
-constexpr std::int64_t most_overlaps = sanitized ? 20'000 : 200'000;
+const std::int64_t most_overlaps = thorough() ? 200'000 : sanitized ? 20'000 : 50'000;
 TEST_P(SelfTruth, tested_backend_finds_the_pairs_of_brute_force) {
     const SelfCase scene = GetParam();
     const io::TriangleMesh mesh =

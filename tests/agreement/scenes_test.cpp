@@ -56,13 +56,16 @@ const io::TriangleMesh& mesh_of(std::size_t i) {
 }
 
 const bool on_cpu = tested_backend == Backend::cpu;
-// Numbers of options, queries and parts to test. They are lower under sanitizers and for a device emulated on the CPU
-// (`played`): these runs are slow, and larger numbers would find no further memory errors or data races.
+// Numbers of options, queries and parts to test. They are highest if thorough() is true, and lowest under
+// sanitizers and for a device emulated on the CPU (`played`): these runs are slow, and larger numbers would find no
+// further memory errors or data races.
 constexpr std::size_t cpu_options = sanitized ? 6 : 24;
-const std::size_t query_step = played ? (sanitized ? 4 : 3) : (sanitized ? 2 : 1);
-const std::vector<int> part_counts = sanitized ? played ? std::vector{5} : std::vector{2, 70}
-                                     : played ? thorough() ? std::vector{1, 3, 13} : std::vector{1, 3}
-                                              : std::vector{1, 2, 3, 8, 31, 64, 150};
+const std::size_t query_step = thorough() ? 1 : played ? 4 : 2;
+const std::vector<int> part_counts = [] {
+    if (played) return thorough() ? std::vector{1, 3, 13} : std::vector{3};
+    if (sanitized) return std::vector{2, 70};
+    return thorough() ? std::vector{1, 2, 3, 8, 31, 64, 150} : std::vector{1, 3, 64};
+}();
 const std::size_t option_count = on_cpu ? cpu_options : 4;
 const std::int64_t limit_step = on_cpu ? 3 : 20;
 
@@ -71,8 +74,8 @@ struct NamedQuery {
     IntersectionQuery query;
 };
 
-/// Returns the queries to test; for a mesh without groups, none that needs groups. Slow runs get a subset, which
-/// depends on the number of triangles.
+/// Returns the queries to test; for a mesh without groups, none that needs groups. Unless thorough() is true, a
+/// half or a quarter of the queries, which depends on the number of triangles.
 std::vector<NamedQuery> queries(const io::TriangleMesh& mesh) {
     static const std::vector<GroupPair> excluded{{1, -1}, {0, 0}};
     std::vector<NamedQuery> all(1);

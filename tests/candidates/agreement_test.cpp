@@ -21,9 +21,9 @@ void expect_candidates(const MovingSoup<Scalar>& soup, const CandidateQuery& que
                         : detector.find(soup.view(), query);
         };
         const Candidates& expected = find(reference());
-        for (const auto& [name, detector] : tested()) {
-            SCOPED_TRACE(name);
-            ASSERT_TRUE(same_candidates(find(*detector), expected));
+        for (const TestedDetector* const by : detectors_in_turn()) {
+            SCOPED_TRACE(by->name);
+            ASSERT_TRUE(same_candidates(find(*by->detector), expected));
         }
     };
     expect(true);

@@ -11,6 +11,7 @@
 #include "error_of.h"
 #include "halves.h"
 #include "memory_limit.h"
+#include "rounds.h"
 #include "soups.h"
 
 namespace crumple {
@@ -136,7 +137,7 @@ void expect_reference(const std::function<const Intersections&(Detector&)>& find
 
 TEST(DuplicateDegenerates, scenes_with_duplicates_give_the_pairs_of_brute_force) {
     static const std::vector<GroupPair> excluded{{0, 1}};
-    for (unsigned seed = 1; seed <= 6; ++seed) {
+    for (unsigned seed = 1; seed <= (thorough() ? 6u : 3u); ++seed) {
         SCOPED_TRACE(seed);
         const auto soup = crowded(seed), other = crowded(seed + 100);
         const test::Halves half(soup.view());
@@ -157,7 +158,7 @@ TEST(DuplicateDegenerates, scenes_with_duplicates_give_the_pairs_of_brute_force)
 }
 
 TEST(DuplicateDegenerates, parts_with_duplicates_give_the_pairs_of_brute_force) {
-    for (unsigned seed = 1; seed <= 6; ++seed) {
+    for (unsigned seed = 1; seed <= (thorough() ? 6u : 3u); ++seed) {
         const auto soup = crowded(seed);
         for (const int count : {3, 70})
             for (const Part& part : Detector().partition(soup.view(), {}, count))

@@ -10,6 +10,7 @@
 #include "backends/cpu/stages/sort.h"
 #include "exact/intersection/exact_intersection.h"
 #include "filters/intersection/pair_filters.h"
+#include "rounds.h"
 #include "tables.h"
 
 namespace crumple::cpu {
@@ -158,7 +159,7 @@ TEST(Verdict, simd_filters_never_contradict_filters_for_one_pair) {
     for (const bool lattice : {false, true})
         for (const float thickness : {1.0f, 0.02f, 1e-6f, 0.0f})
             for (const int vertices : {40, 300}) {
-                const Mesh mesh = make_mesh(vertices, 300, thickness, lattice, engine);
+                const Mesh mesh = make_mesh(vertices, thorough() ? 300 : 150, thickness, lattice, engine);
                 const std::size_t n = mesh.corners.size() / 3;
                 for (const test::Tables& kernels : test::kernel_tables())
                     for (const NarrowPolicy policy : policies) {

@@ -7,6 +7,7 @@
 
 #include "distances/compare_nearest.h"
 #include "rounds.h"
+#include "shared_results.h"
 #include "worlds/random_worlds.h"
 
 namespace crumple {
@@ -32,6 +33,14 @@ class NearestAgreement : public testing::TestWithParam<int> {
    protected:
     Detector detector_{Options{.backend = Backend::cpu, .threads = GetParam()}};
     Detector reference_{Options{.backend = Backend::reference}};
+    test::SharedResults<Distances> expected_;
+
+    /// Returns the result of the tested detector, and expects the same of brute force.
+    const Distances& agreed(const World& world, const DistanceQuery& query) {
+        const Distances& found = detector_.find(world, query);
+        EXPECT_TRUE(same_nearest(found, expected_.next([&] { return reference_.find(world, query); })));
+        return found;
+    }
 
     void compare(unsigned seed, const test::WorldKind& kind) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -40,14 +49,13 @@ class NearestAgreement : public testing::TestWithParam<int> {
         // New names for each seed, since the detector caches shapes by name.
         for (Shape& shape : world->shapes)
             if (shape.name != 0) shape.name += 1000 * (seed + 1);
-        const Distances& found = detector_.find(world->view(), query);
-        ASSERT_TRUE(same_nearest(found, reference_.find(world->view(), query)));
+        const Distances& found = agreed(world->view(), query);
         ASSERT_EQ(found.any, !found.bodies.empty());
         ASSERT_EQ(found.count, static_cast<std::int64_t>(found.bodies.size()));
         rows_ += found.bodies.size();
         for (const std::uint8_t touches : found.touching) touching_ += touches;
         query.output = Output::nearest;
-        ASSERT_TRUE(same_nearest(detector_.find(world->view(), query), reference_.find(world->view(), query)));
+        agreed(world->view(), query);
     }
 
     std::size_t rows_ = 0, touching_ = 0;
@@ -118,7 +126,7 @@ TEST_P(NearestAgreement, symmetric_shapes_match_brute_force) {
             const Pose poses[]{turn, moved};
             SCOPED_TRACE(testing::Message() << step[0] << ' ' << step[1] << ' ' << step[2] << " turned " << turned);
             const World world{shapes, bodies, poses};
-            ASSERT_TRUE(same_nearest(detector_.find(world, DistanceQuery()), reference_.find(world, DistanceQuery())));
+            agreed(world, DistanceQuery());
         }
     }
 }
@@ -139,14 +147,14 @@ TEST_P(NearestAgreement, huge_and_tiny_bodies_match_brute_force) {
         const Pose poses[] = {at(0), at(2.5), at(-7)};
         const World world{shapes, bodies, poses};
         SCOPED_TRACE(size);
-        ASSERT_TRUE(same_nearest(detector_.find(world, DistanceQuery()), reference_.find(world, DistanceQuery())));
+        agreed(world, DistanceQuery());
         for (const double radius : {0.25, 0.5, 1.0}) {
             const DistanceQuery query{.radius = radius * size};
-            ASSERT_TRUE(same_nearest(detector_.find(world, query), reference_.find(world, query)));
+            agreed(world, query);
         }
         // Squared distances that underflow to 0 are equal.
         const DistanceQuery nearest{.output = Output::nearest};
-        ASSERT_TRUE(same_nearest(detector_.find(world, nearest), reference_.find(world, nearest)));
+        agreed(world, nearest);
     }
 }
 

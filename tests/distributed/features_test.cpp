@@ -12,6 +12,7 @@
 #include "distributed/rank_detector.h"
 #include "distributed/rank_failures.h"
 #include "distributed/thread_ranks.h"
+#include "rounds.h"
 #include "tested_backend.h"
 
 namespace crumple::test {
@@ -89,6 +90,7 @@ TEST(RankFeatures, proximities_match_a_single_detector) {
 }
 
 TEST(RankFeatures, hard_soups_match_a_single_detector) {
+    if (played && !thorough()) GTEST_SKIP() << "only with CRUMPLE_ROUNDS on an emulated device";
     std::size_t number = 0;
     for (const NamedMove<double>& soup : moving_soups<double>()) {
         const Step step(soup.soup);
@@ -112,6 +114,7 @@ TEST(RankFeatures, hard_soups_match_a_single_detector) {
 }
 
 TEST(RankFeatures, scenes_match_a_single_detector) {
+    if (played && !thorough()) GTEST_SKIP() << "only with CRUMPLE_ROUNDS on an emulated device";
     for (const scenes::Description& scene : scenes::descriptions()) {
         const WholeMesh mesh = last_frame(scene, 600);
         ASSERT_TRUE(same_impacts(Step(mesh, 0.01), Distribution::blocks, 3, {})) << scene.name;

@@ -17,6 +17,7 @@
 #include "distributed/rank_meshes.h"
 #include "distributed/thread_ranks.h"
 #include "error_of.h"
+#include "rounds.h"
 #include "tested_backend.h"
 
 namespace crumple::test {
@@ -72,6 +73,7 @@ TEST(Ranks, every_distribution_matches_a_single_detector) {
 }
 
 TEST(Ranks, hard_soups_match_a_single_detector) {
+    if (played && !thorough()) GTEST_SKIP() << "only with CRUMPLE_ROUNDS on an emulated device";
     std::size_t number = 0;
     for (const NamedMesh& soup : hard_soups()) {
         IntersectionQuery query;
@@ -91,6 +93,7 @@ TEST(Ranks, hard_soups_match_a_single_detector) {
 }
 
 TEST(Ranks, scenes_match_a_single_detector) {
+    if (played && !thorough()) GTEST_SKIP() << "only with CRUMPLE_ROUNDS on an emulated device";
     std::size_t number = 0;
     for (const scenes::Description& scene : scenes::descriptions()) {
         const WholeMesh mesh = last_frame(scene, 1500);
@@ -100,6 +103,7 @@ TEST(Ranks, scenes_match_a_single_detector) {
 }
 
 TEST(Ranks, many_ranks_and_parts_match_a_single_detector) {
+    if (played && !thorough()) GTEST_SKIP() << "only with CRUMPLE_ROUNDS on an emulated device";
     const WholeMesh sheet(wavy_sheet<float>(40));
     for (const Distribution how : {Distribution::blocks, Distribution::random})
         ASSERT_TRUE(same_as_one(sheet, how, 64, {.output = Output::contacts}));

@@ -86,7 +86,7 @@ void expect_same(Detector& detector, Detector& brute, const World& world, Query 
 TEST(ClearWorlds, results_about_hit_and_clear_worlds_match_brute_force) {
     Detector detector({.backend = Backend::cpu}), brute({.backend = Backend::reference});
     std::size_t hits = 0, clear = 0;
-    const auto seeds = static_cast<unsigned>(std::max(9, scaled_rounds(9)));
+    const auto seeds = static_cast<unsigned>(std::max(5, scaled_rounds(5)));
     for (unsigned seed = 0; seed < seeds; ++seed) {
         SCOPED_TRACE(seed);
         const Moving moving(seed,

@@ -151,6 +151,7 @@ TYPED_TEST(PartsOfFeatures, parts_have_all_pairs_of_codimensional_features) {
     this->for_each_soup(0.4, [](const auto& move, unsigned seed) {
         if (move.unit > 1e100) return;
         for (unsigned lists = 0; lists < 4; ++lists) {
+            if (played && lists != seed % 4) continue;
             const auto soup = with_lists(move.soup, 7 * seed + lists);
             expect_union(soup, ImpactQuery{.min_distance = 0.1 * move.unit, .weld = lists == 2});
             expect_union(
@@ -185,9 +186,11 @@ TYPED_TEST(PartsOfFeatures, parts_respect_group_filters) {
         filters[1].groups = PairScope::within;
         filters[2].excluded_groups = {{-1, 0}, {2, 2}};
         filters[3].bodies = PairScope::between;
-        for (const PairFilter& filter : filters) {
-            expect_union(soup, ImpactQuery{.min_distance = 0.2, .filter = filter});
-            expect_union(soup, ProximityQuery{.radius = 0.5, .filter = filter});
+        for (std::size_t i = 0; i < filters.size(); ++i) {
+            const PairFilter& filter = filters[i];
+            const bool in_turn = (i % 2 == 1) == listed;  // half of the queries, for an emulated device
+            if (!played || in_turn) expect_union(soup, ImpactQuery{.min_distance = 0.2, .filter = filter});
+            if (!played || !in_turn) expect_union(soup, ProximityQuery{.radius = 0.5, .filter = filter});
         }
     }
 }

@@ -53,7 +53,7 @@ std::vector<Detector*> streaming() {
     static Detector limited({.backend = Backend::cpu, .threads = 2, .memory_limit = 1 << 24, .leaf_size = 30});
     return {&one, &three, &limited};
 }
-Detector& by_brute_force() {
+Detector& brute_force() {
     static Detector detector({.backend = Backend::reference});
     return detector;
 }
@@ -62,7 +62,7 @@ template <class Result>
 void expect_blocks(const BothCalls<Result>& calls, bool reference = false) {
     const Result expected = calls.find(plain());
     auto detectors = streaming();
-    if (reference) detectors = {&by_brute_force()};
+    if (reference) detectors = {&brute_force()};
     for (std::size_t d = 0; d < detectors.size(); ++d) {
         SCOPED_TRACE(testing::Message() << "detector " << d);
         for (const std::int64_t size : {std::int64_t{1}, std::int64_t{7}, std::int64_t{1000}, std::int64_t{1} << 30}) {
@@ -266,7 +266,7 @@ TEST(StreamOfFeatures, exception_or_stop_request_ends_the_stream) {
         expect_to_end(candidates(soup, true, {}), *detector);
     }
     const MovingSoup<> small = moving_grid(3, 20, 30, 5);
-    expect_to_end(impacts(small, {}), by_brute_force());
+    expect_to_end(impacts(small, {}), brute_force());
 }
 
 template <class Result>

@@ -52,7 +52,7 @@ struct OverlappingBodies {
     }
 };
 
-Vec3d corner(const TriangleMesh& mesh, std::size_t i) {
+Vec3d corner_of(const TriangleMesh& mesh, std::size_t i) {
     const auto v = 3 * static_cast<std::size_t>(mesh.triangles[i]);
     return std::visit(
         [&](const auto& xyz) {
@@ -64,7 +64,7 @@ Vec3d corner(const TriangleMesh& mesh, std::size_t i) {
 double area_of(const TriangleMesh& mesh) {
     double area = 0;
     for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-        const Vec3d n = cross(corner(mesh, i + 1) - corner(mesh, i), corner(mesh, i + 2) - corner(mesh, i));
+        const Vec3d n = cross(corner_of(mesh, i + 1) - corner_of(mesh, i), corner_of(mesh, i + 2) - corner_of(mesh, i));
         area += std::sqrt(dot(n, n)) / 2;
     }
     return area;
@@ -75,7 +75,7 @@ TEST(ColouredOverlaps, ply_holds_only_the_surface_of_the_overlap) {
     const TriangleMesh ply = bodies.ply();  // surface of the box (1, 1.25, 0.5) to (2, 2, 1.5)
     EXPECT_NEAR(area_of(ply), 2 * (1 * 0.75 + 1 * 1 + 0.75 * 1), 1e-12);
     for (std::size_t i = 0; i < ply.triangles.size(); ++i) {
-        const Vec3d p = corner(ply, i), middle{1.5, 1.625, 1}, half{0.5, 0.375, 0.5};
+        const Vec3d p = corner_of(ply, i), middle{1.5, 1.625, 1}, half{0.5, 0.375, 0.5};
         for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(p[axis] - middle[axis]), half[axis] + 1e-12) << i;
     }
     for (const int body : {0, 1}) EXPECT_GT(std::count(ply.groups.begin(), ply.groups.end(), body), 0) << body;
@@ -91,7 +91,7 @@ TEST(ColouredOverlaps, touching_faces_are_coloured_where_they_touch) {
     const TriangleMesh ply = bodies.ply();  // the square (0.5, 1, 2) to (1.5, 2, 2) of each body
     EXPECT_NEAR(area_of(ply), 2 * 1, 1e-12);
     for (std::size_t i = 0; i < ply.triangles.size(); ++i) {
-        const Vec3d p = corner(ply, i), middle{1, 1.5, 2}, half{0.5, 0.5, 0};
+        const Vec3d p = corner_of(ply, i), middle{1, 1.5, 2}, half{0.5, 0.5, 0};
         for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(p[axis] - middle[axis]), half[axis] + 1e-12) << i;
     }
 }
@@ -115,7 +115,7 @@ TEST(ColouredOverlaps, coloured_overlap_follows_a_pose_that_moves_and_mirrors) {
     const TriangleMesh ply = bodies.ply();  // surface of the box (1, 0.5, 0.5) to (2, 2, 2)
     EXPECT_NEAR(area_of(ply), 2 * (1 * 1.5 + 1 * 1.5 + 1.5 * 1.5), 1e-12);
     for (std::size_t i = 0; i < ply.triangles.size(); ++i) {
-        const Vec3d p = corner(ply, i), middle{1.5, 1.25, 1.25}, half{0.5, 0.75, 0.75};
+        const Vec3d p = corner_of(ply, i), middle{1.5, 1.25, 1.25}, half{0.5, 0.75, 0.75};
         for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(p[axis] - middle[axis]), half[axis] + 1e-12) << i;
     }
 }

@@ -56,8 +56,8 @@ TEST(PoseReading, error_in_text_names_line_row_and_body) {
 
 /// Returns an array of NumPy with the numbers 0, 1, ...
 template <class Scalar>
-std::string npy(const std::string& descr, const std::string& shape, std::size_t items, std::endian order,
-                const char* fortran = "False") {
+std::string npy_of(const std::string& descr, const std::string& shape, std::size_t items, std::endian order,
+                   const char* fortran = "False") {
     const std::string header =
         "{'descr': '" + descr + "', 'fortran_order': " + fortran + ", 'shape': " + shape + ", }\n";
     std::string file = "\x93NUMPY" + std::string("\x01\x00", 2) +
@@ -70,13 +70,13 @@ TEST(PoseReading, array_shape_can_end_with_12_or_with_3_by_4) {
     const auto little = std::endian::little;
     const std::vector<Pose> expected{counted(0), counted(12)};
     for (const char* const shape : {"(2, 12)", "(1, 2, 12)", "(2, 3, 4)", "(1, 2, 3, 4)"}) {
-        const std::string file = npy<double>("<f8", shape, 24, little);
+        const std::string file = npy_of<double>("<f8", shape, 24, little);
         EXPECT_EQ(read_text(file, two_bodies, "p.npy"), expected) << shape;
     }
-    EXPECT_EQ(read_text(npy<float>("<f4", "(2, 12)", 24, little), two_bodies, "p.npy"), expected);
-    EXPECT_EQ(read_text(npy<double>(">f8", "(2, 12)", 24, std::endian::big), two_bodies, "p.npy"), expected);
-    EXPECT_TRUE(read_text(npy<double>("<f8", "(0, 2, 12)", 0, little), two_bodies, "p.npy").empty());
-    EXPECT_EQ(read_text(npy<double>("<f8", "(12,)", 12, little), {"a"}, "p.npy").size(), 1u);
+    EXPECT_EQ(read_text(npy_of<float>("<f4", "(2, 12)", 24, little), two_bodies, "p.npy"), expected);
+    EXPECT_EQ(read_text(npy_of<double>(">f8", "(2, 12)", 24, std::endian::big), two_bodies, "p.npy"), expected);
+    EXPECT_TRUE(read_text(npy_of<double>("<f8", "(0, 2, 12)", 0, little), two_bodies, "p.npy").empty());
+    EXPECT_EQ(read_text(npy_of<double>("<f8", "(12,)", 12, little), {"a"}, "p.npy").size(), 1u);
 }
 
 TEST(PoseReading, malformed_arrays_are_refused) {
@@ -85,18 +85,18 @@ TEST(PoseReading, malformed_arrays_are_refused) {
         expect_refused_text(file, what, "p.npy");
     };
     refused("no array", "not a NumPy array");
-    refused(npy<double>("<f8", "(24,)", 24, little), "the array's shape must end with 12");
-    refused(npy<double>("<f8", "()", 1, little), "the array's shape must end with 12");
-    refused(npy<double>("<f8", "(2, 4, 4)", 32, little), "row 0 (configuration 0, body 'base'): a pose of 16");
-    refused(npy<double>("<f8", "(2, 12)", 24, little, "True"), "Fortran order");
-    refused(npy<std::int64_t>("<i8", "(2, 12)", 24, little), "must hold float32 or float64");
-    refused(npy<double>("<f8", "(2, 12)", 23, little), "truncated");
-    refused(npy<double>("<f8", "(2, 12)", 25, little), "longer than its header says");
-    refused(npy<double>("<f8", "(9223372036854775807, 9223372036854775807, 12)", 24, little), "truncated");
-    refused(npy<double>("<f8", "(999999999999, 12)", 24, little), "truncated");
-    refused(npy<double>("<f8", "(2, -12)", 24, little), "the array's shape must end with 12");
-    refused(npy<double>("<f8", "(3, 12)", 36, little), "3 rows for 2 bodies");
-    std::string file = npy<double>("<f8", "(2, 12)", 24, little);
+    refused(npy_of<double>("<f8", "(24,)", 24, little), "the array's shape must end with 12");
+    refused(npy_of<double>("<f8", "()", 1, little), "the array's shape must end with 12");
+    refused(npy_of<double>("<f8", "(2, 4, 4)", 32, little), "row 0 (configuration 0, body 'base'): a pose of 16");
+    refused(npy_of<double>("<f8", "(2, 12)", 24, little, "True"), "Fortran order");
+    refused(npy_of<std::int64_t>("<i8", "(2, 12)", 24, little), "must hold float32 or float64");
+    refused(npy_of<double>("<f8", "(2, 12)", 23, little), "truncated");
+    refused(npy_of<double>("<f8", "(2, 12)", 25, little), "longer than its header says");
+    refused(npy_of<double>("<f8", "(9223372036854775807, 9223372036854775807, 12)", 24, little), "truncated");
+    refused(npy_of<double>("<f8", "(999999999999, 12)", 24, little), "truncated");
+    refused(npy_of<double>("<f8", "(2, -12)", 24, little), "the array's shape must end with 12");
+    refused(npy_of<double>("<f8", "(3, 12)", 36, little), "3 rows for 2 bodies");
+    std::string file = npy_of<double>("<f8", "(2, 12)", 24, little);
     const std::string nan = packed(little, std::numeric_limits<double>::quiet_NaN());
     file.replace(file.size() - 16, 8, nan);
     refused(file, "p.npy: row 1 (configuration 0, body 'arm'): number 11 is not finite");

@@ -51,9 +51,10 @@ class OverlapParts : public testing::TestWithParam<Options> {
     Detector plain_{Options{.backend = Backend::cpu, .threads = 1}};
 
     /// Compares overlaps from several numbers of parts with find(). Returns the number of rows.
-    std::int64_t compare(const Scene& scene, const OverlapQuery& query) {
+    std::int64_t compare(const Scene& scene, const OverlapQuery& query,
+                         const std::vector<int>& counts = {1, 2, 7, 50}) {
         const Overlaps expected = plain_.find(scene, query);
-        for (const int count : {1, 2, 7, 50}) {
+        for (const int count : counts) {
             SCOPED_TRACE(testing::Message() << count << " parts");
             std::vector<Overlaps> found = found_in(elsewhere_, plain_.partition(scene, query, count), query);
             std::reverse(found.begin(), found.end());
@@ -89,19 +90,19 @@ TEST_P(OverlapParts, overlap_of_a_mesh_with_itself_has_the_bytes_of_the_whole) {
 
 TEST_P(OverlapParts, overlap_of_two_meshes_has_the_bytes_of_the_whole) {
     std::int64_t rows = 0;
-    for (unsigned seed = 0; seed < (sanitized ? 3u : 12u); ++seed) {
+    for (unsigned seed = 0; seed < (thorough() ? 12u : sanitized ? 3u : 6u); ++seed) {
         SCOPED_TRACE(seed);
         Dice dice(100 + seed);
         const bool grid = seed % 2 == 0;
         const Soup a = pile(dice, 1 + dice.below(6), grid), b = pile(dice, 1 + dice.below(6), grid);
         OverlapQuery query = test::everything;
-        query.first_free = seed == 1;  // would take most of the time
+        query.first_free = seed == 1;  // takes most of the time, and combine() finds it in the whole meshes
         query.self_overlaps = seed % 3 == 0;
-        rows += compare({a.view(), b.view()}, query);
+        rows += seed == 1 ? compare({a.view(), b.view()}, query, {7}) : compare({a.view(), b.view()}, query);
         for (const Output output : {Output::any, Output::any_by_world, Output::body_pairs})
             compare({a.view(), b.view()}, {.output = output});
     }
-    EXPECT_GT(rows, sanitized ? 3 : 15);
+    EXPECT_GT(rows, 3);
 }
 
 TEST_P(OverlapParts, nested_and_distant_meshes_have_the_rows_of_the_whole) {
@@ -126,9 +127,8 @@ TEST_P(OverlapParts, seams_are_welded_and_open_meshes_are_treated_as_in_the_whol
         for (const std::int32_t v : t) loose.vertices.push_back(torn.vertices[static_cast<std::size_t>(v)]);
         loose.triangles.push_back({first, first + 1, first + 2});
     }
-    OverlapQuery query = test::everything;
+    OverlapQuery query = test::all_but_first_free;
     query.weld = true;
-    query.first_free = false;
     EXPECT_GT(compare(loose.view(), query) + compare({loose.view(), other.view()}, query), 0);
     query = {.curves = true};
     for (const OpenSurfaces open : {OpenSurfaces::skip, OpenSurfaces::curves}) {

@@ -77,42 +77,34 @@ INSTANTIATE_TEST_SUITE_P(, OverlapStream, testing::ValuesIn(option_list()),
 TEST_P(OverlapStream, blocks_are_the_bytes_of_the_whole_result) {
     const bool brute_force = GetParam().backend == Backend::reference;
     std::int64_t rows = 0, pairs = 0;
-    for (unsigned seed = 0; seed < (sanitized ? 2u : 4u); ++seed) {
+    for (unsigned seed = 0; seed < (thorough() ? 6u : 2u); ++seed) {
         SCOPED_TRACE(seed);
-        const ClosedBodies bodies = closed_bodies(seed,
-                                                  brute_force ? 5
-                                                  : sanitized ? 12
-                                                              : 18,
-                                                  seed % 2 == 0, seed % 2 == 1);
-        OverlapQuery query = test::everything;
-        query.first_free = seed == 1;  // would take most of the time
-        rows += compare(bodies.view(), query);
+        const ClosedBodies bodies = closed_bodies(seed, brute_force ? 5 : 12, seed % 2 == 0, seed % 2 == 1);
+        rows += compare(bodies.view(), test::all_but_first_free);
         pairs += compare(bodies.view(), {.output = Output::body_pairs, .min_volume = 0.01});
         compare(bodies.view(), {.translation = true,
                                 .solids = true,
                                 .filter = {.groups = PairScope::between, .excluded_bodies = {{0, 1}, {3, 2}}}});
         compare(bodies.view(), {.self_overlaps = true, .filter = {.excluded_bodies = {{1, 1}, {0, 2}}}});
     }
-    EXPECT_GT(rows, brute_force || sanitized ? 8 : 50);
-    EXPECT_GT(pairs, brute_force || sanitized ? 2 : 10);
+    compare(closed_bodies(1, 5, false, true).view(), test::everything);
+    EXPECT_GT(rows, brute_force ? 8 : 20);
+    EXPECT_GT(pairs, brute_force ? 2 : 5);
 }
 
 TEST_P(OverlapStream, worlds_follow_each_other) {
     ClosedBodies bodies = closed_bodies(7, 12, true, false);
     for (std::size_t b = 0; b < 12; ++b) bodies.bodies[b].world = b >= 9 ? -1 : static_cast<std::int32_t>(b / 3 * 2);
-    OverlapQuery query = test::everything;
-    query.first_free = false;
-    EXPECT_GT(compare(bodies.view(), query), 10);
+    EXPECT_GT(compare(bodies.view(), test::all_but_first_free), 10);
 }
 
 TEST_P(OverlapStream, open_bodies_are_skipped_have_curves_or_are_an_error) {
-    ClosedBodies bodies = closed_bodies(8, 8, true, false);
+    ClosedBodies bodies = closed_bodies(8, 6, true, false);
     for (const std::size_t b : {std::size_t{2}, std::size_t{5}}) {
         bodies.soups[b].triangles.pop_back();
         bodies.shapes[b] = Shape(bodies.soups[b].view());
     }
-    OverlapQuery query = test::everything;
-    query.first_free = false;
+    OverlapQuery query = test::all_but_first_free;
     for (const OpenSurfaces open : {OpenSurfaces::skip, OpenSurfaces::curves}) {
         query.open = open;
         EXPECT_GT(compare(bodies.view(), query), 3);
@@ -171,7 +163,7 @@ TEST_P(OverlapStream, options_that_blocks_do_not_support_are_errors) {
 
 // In a pile of bodies, each of which meets many others, the rows and the pairs of triangles take most of the memory.
 TEST(OverlapStreamMemory, blocks_of_a_pile_need_a_fraction_of_the_memory_of_the_whole_result) {
-    const ClosedBodies bodies = closed_bodies(13, sanitized ? 50 : 80, false, false);
+    const ClosedBodies bodies = closed_bodies(13, 50, false, false);
     Options options{.backend = Backend::cpu, .threads = 1};
     Detector whole(options), in_blocks(options);
     const OverlapQuery query{.curves = true, .regions = true};

@@ -272,7 +272,7 @@ std::vector<Region> regions_of(const Overlaps& found) {
 /// Cubes of the first body are larger, so that the second one pierces its faces; or its whole surface is one cube.
 TEST(OverlapRegions, are_those_of_cells) {
     Detector detector(Options{.threads = 1});
-    const int cases = scaled_rounds(300);
+    const int cases = std::max(60, scaled_rounds(100));
     int compared = 0, with_several = 0, with_cavities = 0, with_pieces = 0;
     for (int seed = 0; seed < cases; ++seed) {
         Dice dice(static_cast<unsigned>(seed));

@@ -92,7 +92,7 @@ TEST(OverlapSmallCases, results_match_rational_arithmetic_byte_by_byte) {
                        .unions = true,
                        .regions = true};
     Figures figures;
-    const int cases = scaled_rounds(1000);
+    const int cases = std::max(200, scaled_rounds(250));
     for (int seed = 0; seed < cases; ++seed) {
         Dice dice(static_cast<unsigned>(seed));
         const Soup a = small_body(dice), b = small_body(dice);

@@ -106,7 +106,7 @@ TEST(Withdrawal, equals_brute_force_for_closed_bodies) {
 }
 
 TEST(Withdrawal, equals_brute_force_for_soups_of_any_triangles) {
-    for (unsigned round = 0; round < 12; ++round) {
+    for (unsigned round = 0; round < (thorough() ? 12u : 5u); ++round) {
         Dice dice(round);
         Placed a(random_soup<double>(60, 0.4, round)), b(random_soup<double>(60, 0.4, round + 100));
         for (int k = 0; k < 20; ++k) {  // degenerate triangles
@@ -122,7 +122,7 @@ TEST(Withdrawal, equals_brute_force_for_soups_of_any_triangles) {
 }
 
 TEST(Withdrawal, of_large_surfaces_is_attained_by_a_pair_and_exceeded_by_none) {
-    for (unsigned round = 0; round < 4; ++round) {
+    for (unsigned round = 0; round < (thorough() ? 4u : 2u); ++round) {
         Dice dice(round);
         Soup<double> many = random_soup<double>(1500, 0.05, round), few = random_soup<double>(150, 0.1, round + 100);
         const bool flat = round % 2 != 0;  // parallel to the direction
