@@ -147,11 +147,11 @@ TEST_F(Devices, ranks_match_a_single_detector_for_local_meshes_on_devices) {
         const int rank = transport.rank();
         const MeshPiece start(step.start, Distribution::random, rank, ranks),
             end(step.end, Distribution::random, rank, ranks);
-        const DeviceMesh on_device(start.share().mesh), end_on_device(end.share().mesh);
+        const DeviceMesh on_device(start.local().mesh), end_on_device(end.local().mesh);
         DistributedOptions options;
         options.detector.backend = Backend::cuda;
         distribute::RankDetector detector(transport, options);
-        LocalMesh share = start.share();
+        LocalMesh share = start.local();
         share.mesh = on_device.view();
         for (int frame = 0; frame < 2; ++frame)
             verdicts.add(rank, rows_are(detector.find(share), start.triangle_ids, pairs));
