@@ -45,7 +45,7 @@ nlohmann::json share_scene(const Workload& workload, int ranks, int parts, doubl
             distribute::RankDetector detector(transport, options);
             detector.set_clock(time_of_thread);
             for (int frame = 0; frame < frames; ++frame) {
-                detector.find(block.share());
+                detector.find(block.local_mesh());
                 told[static_cast<std::size_t>(r)].push_back(detector.statistics());
             }
         });
