@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,13 +36,15 @@ enum class IndexType : std::uint8_t { int32, uint32, int64 };
 enum class MemorySpace : std::uint8_t { host, cuda };
 
 /// View of a (rows, 3) array that the caller owns. Strides are in bytes, so row-major, column-major and interleaved
-/// layouts need no copy. Strides have no default: views of rows with strides of 0 are refused.
+/// layouts need no copy. A view with rows must state both strides.
 template <class Type>
 struct ArrayView {
+    static constexpr std::int64_t no_stride = std::numeric_limits<std::int64_t>::min();
+
     const void* data = nullptr;
     std::int64_t rows = 0;
-    std::int64_t row_stride = 0;     ///< bytes from row i to row i + 1
-    std::int64_t column_stride = 0;  ///< bytes from x to y to z
+    std::int64_t row_stride = no_stride;     ///< bytes from row i to row i + 1
+    std::int64_t column_stride = no_stride;  ///< bytes from x to y to z
     Type type{};
     friend bool operator==(const ArrayView&, const ArrayView&) = default;
 };

@@ -11,15 +11,13 @@
 
 namespace crumple {
 
-/// Returns the end of an error message if the rows of the view cannot be read, otherwise null. Views that name only
-/// data and rows have strides of 0, so every row would be the first value, three times.
+/// Returns the end of an error message if the rows of the view cannot be read, otherwise null.
 template <class Type>
 const char* fault_of(const ArrayView<Type>& view) {
     if (view.rows <= 0) return nullptr;
     if (!view.data) return " have no data";
-    if (view.row_stride == 0 && view.column_stride == 0)
-        return " have strides of 0 bytes (row_stride and column_stride)";
-    return nullptr;
+    const bool has_strides = view.row_stride != view.no_stride && view.column_stride != view.no_stride;
+    return has_strides ? nullptr : " have no strides; set row_stride and column_stride";
 }
 
 /// Throws Error (invalid_argument) if counts, pointers, strides or groups of the mesh are invalid, or if it is not in

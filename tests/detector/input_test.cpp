@@ -61,14 +61,15 @@ TEST(Input, views_without_strides_are_refused) {
         return std::string(error_of([&] { detector.find(scene); }).what());
     };
     EXPECT_EQ(refused({points, strided_corners}),
-              "the mesh has vertices that have strides of 0 bytes (row_stride and column_stride)");
+              "the mesh has vertices that have no strides; set row_stride and column_stride");
     EXPECT_EQ(refused({strided, corners}),
-              "the mesh has triangles that have strides of 0 bytes (row_stride and column_stride)");
+              "the mesh has triangles that have no strides; set row_stride and column_stride");
     const auto refused_end = [&](const VertexView& end) {
         return std::string(
             error_of([&] { detector.find(MeshView(vertices, triangles).moving_to(end), ImpactQuery()); }).what());
     };
-    EXPECT_EQ(refused_end(points), "the vertices at the end have strides of 0 bytes (row_stride and column_stride)");
+    EXPECT_EQ(refused_end(points),
+              "shape 0: the vertices at the end have no strides; set row_stride and column_stride");
 }
 
 TEST(Input, empty_soups_have_no_collisions) {

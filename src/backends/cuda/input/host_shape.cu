@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "backends/cuda/device/memory.h"
+#include "scene/outline.h"
 
 namespace crumple::cuda {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 // Downloads the bytes from the first to the last value of `view`, and makes `view` refer to the copy.
 template <class Type>
 void download_rows(ArrayView<Type>& view, std::size_t value_bytes, cudaStream_t stream, std::vector<std::byte>& copy) {
-    if (view.rows <= 0 || !view.data) return;  // an invalid view stays unchanged; the host reports it
+    if (view.rows <= 0 || fault_of(view)) return;  // an invalid view stays unchanged; the host reports it
     const std::int64_t last_row = (view.rows - 1) * view.row_stride, last_column = 2 * view.column_stride;
     const std::int64_t begin = std::min<std::int64_t>(0, last_row) + std::min<std::int64_t>(0, last_column);
     const std::int64_t end = std::max<std::int64_t>(0, last_row) + std::max<std::int64_t>(0, last_column);
