@@ -27,9 +27,10 @@ inline void plane_filter(const Record* record, const CandidateChunk& candidates,
     const Record* HWY_RESTRICT columns = record + candidates.columns;
     const std::uint16_t* HWY_RESTRICT row = candidates.row.data();
     const std::uint16_t* HWY_RESTRICT column = candidates.column.data();
-    SignsOfPairs signs(out, candidates.count);
+    const std::int64_t count = candidates.count;
+    SignsOfPairs signs(out, count);
     const V one = hn::Set(d, 1.0f), minus_one = hn::Set(d, -1.0f);
-    for (std::int64_t pair = 0; pair < candidates.count; pair += blocks) {
+    for (std::int64_t pair = 0; pair < count; pair += blocks) {
         const Record& a = rows[row[pair]];
         V X, Y, Z, I;
         const auto of_block = [&](int b) { return columns + column[pair + b]; };

@@ -1,9 +1,9 @@
 // Signs that the plane filter writes and `classify` reads (PlaneSigns in verdicts.h): seven nibbles for each pair.
 //
 // AVX-512 compares to masks, so each of the seven signs has a stream of its own, to which masks are stored as they are,
-// two pairs a byte. With AVX2 and SSE4, moving masks to integers one by one would take longer than all other
-// instructions of the filter. There the nibbles of four masks are packed first, so that each pair has two words of
-// four nibbles. NEON uses streams, too.
+// two pairs a byte; NEON uses streams, too. With AVX2 and SSE4, a mask is a vector, and each needs an instruction that
+// moves it to an integer. So four masks are packed to one vector of bytes first. Each pair then has two words of four
+// nibbles.
 
 #if defined(CRUMPLE_INTERSECT_CPU_PLANE_SIGNS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_PLANE_SIGNS_INL_H_
@@ -54,7 +54,7 @@ class SignWords {
     }
 
    private:
-    // Packs each lane of four masks to a byte, block by block, and stores one bit of each byte.
+    // Packs the lanes of four masks to bytes, block by block, and stores one bit of each byte.
     template <class M>
     static HWY_INLINE void pack(M m0, M m1, M m2, M m3, std::uint8_t* HWY_RESTRICT out) {
 #if HWY_TARGET == HWY_AVX2
@@ -83,10 +83,10 @@ class SignStreams {
         for (int k = 0; k < 7; ++k) stream_[k] = signs.bytes.data() + k * (count / 2 + padding);
     }
 
-    template <class M>
-    HWY_INLINE void put(std::int64_t pair, M above_a, M below_a, M above_b, M below_b, M same0, M same1, M same2) {
-        const M masks[7] = {above_a, below_a, above_b, below_b, same0, same1, same2};
-        for (int k = 0; k < 7; ++k) put_nibbles(masks[k], pair, stream_[k]);
+    template <class... M>
+    HWY_INLINE void put(std::int64_t pair, M... masks) {
+        int k = 0;
+        (put_nibbles(masks, pair, stream_[k++]), ...);
     }
 
     template <class Code>
