@@ -50,9 +50,10 @@ bool overlap(const Boxes& boxes, std::size_t i, std::size_t j) {
 }
 
 std::multiset<std::pair<int, int>> candidates_of(const StageKernels& kernels, const SortedLeaf& leaf,
-                                                 std::int64_t capacity) {
+                                                 std::int64_t capacity, int group = 4) {
     std::multiset<std::pair<int, int>> found;
     CandidateChunk out(nullptr);
+    out.group = group;
     out.column.resize(static_cast<std::size_t>(capacity + block_stride + 4 * padding));
     out.row.resize(out.column.size());
     for (std::int64_t block = 0; block < leaf.rows; block += block_stride) {
@@ -67,7 +68,7 @@ std::multiset<std::pair<int, int>> candidates_of(const StageKernels& kernels, co
             EXPECT_EQ(out.count % 16, 0);
             std::int64_t pairs = 0;
             for (std::size_t i = 0; i < static_cast<std::size_t>(out.count); ++i) {
-                EXPECT_EQ(out.row[i], out.row[i - i % 4]);
+                EXPECT_EQ(out.row[i], out.row[i - i % static_cast<std::size_t>(group)]);
                 const int a = leaf.link[static_cast<std::size_t>(out.rows + out.row[i])].triangle;
                 const int b = leaf.link[static_cast<std::size_t>(block + out.column[i])].triangle;
                 if (b < 0) continue;
@@ -75,6 +76,7 @@ std::multiset<std::pair<int, int>> candidates_of(const StageKernels& kernels, co
                 found.insert({std::min(a, b), std::max(a, b)});
             }
             EXPECT_EQ(pairs, out.pairs);
+            EXPECT_LE(out.count - pairs, (group - 1) * (row - out.rows) + 15) << kernels.name;
         }
     }
     return found;
@@ -91,8 +93,8 @@ TEST(Sweep, each_overlap_that_the_leaf_owns_is_found_once) {
                 SortScratch scratch(nullptr);
                 SortedLeaf leaf(nullptr);
                 sort_leaf(members, *kernels, scratch, leaf);
-                for (const std::int64_t capacity : {std::int64_t{1}, std::int64_t{1} << 15}) {
-                    const auto found = candidates_of(*kernels, leaf, capacity);
+                for (const auto& [capacity, group] : {std::pair{1, 4}, {1 << 15, 4}, {1 << 15, 2}, {1 << 15, 1}}) {
+                    const auto found = candidates_of(*kernels, leaf, capacity, group);
                     for (const auto& pair : found) {
                         EXPECT_EQ(found.count(pair), 1u) << kernels->name << ": " << pair.first << ' ' << pair.second;
                         EXPECT_TRUE(is_owned(members, pair.first, pair.second))

@@ -24,6 +24,7 @@
 #define CRUMPLE_INTERSECT_CPU_CLASSIFY_INL_H_
 #endif
 
+#include "backends/cpu/intersections/plane_signs-inl.h"
 #include "backends/cpu/simd/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -74,27 +75,12 @@ HWY_INLINE V code_of(D d, V above_a, V below_a, V above_b, V below_b, V same0, V
 }
 
 /// Writes the codes of all candidates, and of up to 2 * `padding` more.
-inline void write_codes(const PlaneSigns& signs, std::int64_t count, const NarrowPolicy& policy,
+inline void write_codes(PlaneSigns& signs, std::int64_t count, const NarrowPolicy& policy,
                         std::uint8_t* HWY_RESTRICT out) {
-    const hn::ScalableTag<std::uint8_t> d;
-    using V = hn::Vec<decltype(d)>;
-    constexpr auto lanes = static_cast<std::int64_t>(hn::MaxLanes(hn::ScalableTag<std::uint8_t>()));
-    static_assert(2 * lanes <= 2 * padding);
-    const V seven = hn::Set(d, 7);
-    // A byte holds the nibbles of two pairs; even and odd pairs go to separate vectors.
-    for (std::int64_t i = 0; 2 * i < count; i += lanes) {
-        const auto even = [&](const Array<std::uint8_t>& stream) {
-            return hn::And(hn::LoadU(d, stream.data() + i), seven);
-        };
-        const auto odd = [&](const Array<std::uint8_t>& stream) {
-            return hn::And(hn::ShiftRight<4>(hn::LoadU(d, stream.data() + i)), seven);
-        };
-        const auto codes = [&](const auto& half) {
-            return code_of(d, half(signs.above_a), half(signs.below_a), half(signs.above_b), half(signs.below_b),
-                           half(signs.same[0]), half(signs.same[1]), half(signs.same[2]), policy);
-        };
-        hn::StoreInterleaved2(codes(even), codes(odd), d, out + 2 * i);
-    }
+    static_assert(2 * sign_lanes <= 2 * padding);
+    const SignsOfPairs of(signs, count);
+    const auto code = [&](auto... nibbles) HWY_ATTR { return code_of(SignBytes(), nibbles..., policy); };
+    for (std::int64_t i = 0; i < count;) i += of.write_codes(i, code, out);
 }
 
 /// Lists the candidates that are not apart, packed as column << 16 | row, and their codes; returns their number.

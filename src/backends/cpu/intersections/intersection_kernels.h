@@ -19,6 +19,7 @@ namespace crumple::cpu {
 
 struct IntersectKernels {
     const char* name;
+    int group;  ///< number of candidates of one row that `filter` loads at a time (CandidateChunk::group)
 
     /// Computes records (planes not yet scaled) and boxes of a leaf's members, both at once because gathering the
     /// corners is the main cost.

@@ -66,6 +66,6 @@ void triangles_of_pairs(const std::uint32_t* packed, std::size_t count, const Ro
 
 }  // namespace
 
-const IntersectKernels scalar_intersect{"scalar", build, scatter, filter, triangles_of_pairs};
+const IntersectKernels scalar_intersect{"scalar", 1, build, scatter, filter, triangles_of_pairs};
 
 }  // namespace crumple::cpu

@@ -39,7 +39,7 @@ inline void filter(const Record* record, const CandidateChunk& candidates, const
     separating_test_double(record, candidates, points, verdicts);
 }
 
-const IntersectKernels table{hwy::TargetName(HWY_TARGET), build, scatter, filter, triangles_of_pairs};
+const IntersectKernels table{hwy::TargetName(HWY_TARGET), blocks, build, scatter, filter, triangles_of_pairs};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace crumple::cpu::intersect

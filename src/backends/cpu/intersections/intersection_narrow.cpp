@@ -54,6 +54,7 @@ void sweep_and_narrow(const NarrowContext& context, const SortedLeaf& leaf, cons
     const NarrowPolicy policy = policy_of(context.query.neighbours, context.query.kind);
     Statistics& statistics = scratch.statistics;
     CandidateChunk& candidates = scratch.candidates;
+    candidates.group = context.kernels.group;
     Stopwatch watch;
     const auto stop = [&] {
         watch.lap();

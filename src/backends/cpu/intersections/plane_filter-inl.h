@@ -3,7 +3,7 @@
 // A vector holds records of one, two or four candidates (128, 256, 512 bits), each in a block of four lanes. After a
 // transpose of blocks, X, Y, Z hold x, y, z of the three corners and of the normal of every candidate. Then n_row . p -
 // c_row for all corners is three multiply-adds, and the other plane takes three more with lanes broadcast. There is no
-// branch and no gather. Each result is stored as one nibble per pair, which `classify` reads.
+// branch and no gather. Each result is one nibble per pair, which `classify` reads.
 
 #if defined(CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_
@@ -12,24 +12,12 @@
 #define CRUMPLE_INTERSECT_CPU_PLANE_FILTER_INL_H_
 #endif
 
+#include "backends/cpu/intersections/plane_signs-inl.h"
 #include "backends/cpu/intersections/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace crumple::cpu::intersect {
 namespace HWY_NAMESPACE {
-
-/// Stores the nibbles of `mask`, which belong to the candidates from `pair` on. If they fill whole bytes, the mask is
-/// stored directly, so that no arithmetic on masks competes with that on vectors.
-template <class D, class M>
-HWY_INLINE void put_nibbles(D d, M mask, std::int64_t pair, std::uint8_t* HWY_RESTRICT stream) {
-    std::uint8_t* bytes = stream + pair / 2;
-    if constexpr (blocks > 1) {
-        hn::StoreMaskBits(d, mask, bytes);
-    } else {
-        const auto bits = static_cast<std::uint8_t>(bits_of(d, mask));
-        *bytes = static_cast<std::uint8_t>(pair % 2 ? *bytes | bits << 4 : bits);
-    }
-}
 
 inline void plane_filter(const Record* record, const CandidateChunk& candidates, PlaneSigns& out) {
     const hn::ScalableTag<float> d;
@@ -39,11 +27,10 @@ inline void plane_filter(const Record* record, const CandidateChunk& candidates,
     const Record* HWY_RESTRICT columns = record + candidates.columns;
     const std::uint16_t* HWY_RESTRICT row = candidates.row.data();
     const std::uint16_t* HWY_RESTRICT column = candidates.column.data();
-    std::uint8_t *above_a = out.above_a.data(), *below_a = out.below_a.data(), *above_b = out.above_b.data(),
-                 *below_b = out.below_b.data(), *same0 = out.same[0].data(), *same1 = out.same[1].data(),
-                 *same2 = out.same[2].data();
+    const std::int64_t count = candidates.count;
+    SignsOfPairs signs(out, count);
     const V one = hn::Set(d, 1.0f), minus_one = hn::Set(d, -1.0f);
-    for (std::int64_t pair = 0; pair < candidates.count; pair += blocks) {
+    for (std::int64_t pair = 0; pair < count; pair += blocks) {
         const Record& a = rows[row[pair]];
         V X, Y, Z, I;
         const auto of_block = [&](int b) { return columns + column[pair + b]; };
@@ -55,14 +42,10 @@ inline void plane_filter(const Record* record, const CandidateChunk& candidates,
             hn::MulAdd(hn::LoadDup128(d, a.x), hn::Broadcast<3>(X),
                        hn::MulAdd(hn::LoadDup128(d, a.y), hn::Broadcast<3>(Y),
                                   hn::MulSub(hn::LoadDup128(d, a.z), hn::Broadcast<3>(Z), hn::Broadcast<3>(I))));
-        put_nibbles(d, hn::Gt(of_a, one), pair, above_a);
-        put_nibbles(d, hn::Lt(of_a, minus_one), pair, below_a);
-        put_nibbles(d, hn::Gt(of_b, one), pair, above_b);
-        put_nibbles(d, hn::Lt(of_b, minus_one), pair, below_b);
         const auto ids = hn::BitCast(di, I);
-        put_nibbles(di, hn::Eq(ids, hn::Set(di, a.id[0])), pair, same0);
-        put_nibbles(di, hn::Eq(ids, hn::Set(di, a.id[1])), pair, same1);
-        put_nibbles(di, hn::Eq(ids, hn::Set(di, a.id[2])), pair, same2);
+        const auto same = [&](int k) HWY_ATTR { return hn::RebindMask(d, hn::Eq(ids, hn::Set(di, a.id[k]))); };
+        signs.put(pair, hn::Gt(of_a, one), hn::Lt(of_a, minus_one), hn::Gt(of_b, one), hn::Lt(of_b, minus_one), same(0),
+                  same(1), same(2));
     }
 }
 

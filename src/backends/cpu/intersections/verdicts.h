@@ -10,21 +10,16 @@
 
 namespace crumple::cpu {
 
-/// Sides on which the corners of candidates lie: one nibble per pair, with its three low bits for the corners; the
-/// fourth bit is undefined.
+/// Sides on which the corners of candidates lie: seven nibbles per pair, each with its three low bits for the corners
+/// and an undefined fourth bit. How they are stored depends on the instruction set (plane_signs-inl.h).
+///     above_a, below_a   column's corners relative to the row's plane, if certain
+///     above_b, below_b   row's corners relative to the column's plane, if certain
+///     same[k]            column's corners that equal the row's corner k
 struct PlaneSigns {
-    Array<std::uint8_t> above_a, below_a;  ///< column's corners relative to the row's plane, if certain
-    Array<std::uint8_t> above_b, below_b;  ///< row's corners relative to the column's plane, if certain
-    Array<std::uint8_t> same[3];           ///< column's corners that equal the row's corner 0, 1, 2
-    explicit PlaneSigns(MemoryMeter* m)
-        : above_a(m),
-          below_a(m),
-          above_b(m),
-          below_b(m),
-          same{Array<std::uint8_t>(m), Array<std::uint8_t>(m), Array<std::uint8_t>(m)} {}
+    Array<std::uint8_t> bytes;
+    explicit PlaneSigns(MemoryMeter* m) : bytes(m) {}
     void resize(std::int64_t candidates) {
-        for (auto* stream : {&above_a, &below_a, &above_b, &below_b, &same[0], &same[1], &same[2]})
-            stream->resize_discard(static_cast<std::size_t>(candidates / 2 + padding));
+        bytes.resize_discard(static_cast<std::size_t>(4 * candidates + 7 * padding));
     }
 };
 

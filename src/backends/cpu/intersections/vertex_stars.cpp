@@ -209,7 +209,7 @@ bool VertexStars::list(const SortedLeaf& leaf, std::int64_t last, std::size_t& n
         const std::uint32_t row = candidates_[next] >> 16;
         for (; next < candidates_.size() && candidates_[next] >> 16 == row; ++next, ++chunk.pairs)
             add(row, candidates_[next] & 0xffff);
-        while (chunk.count % 4) add(row, chunk.dummy);
+        while (chunk.count % chunk.group) add(row, chunk.dummy);
     }
     while (chunk.count % 16) add(0, chunk.dummy);
     return chunk.pairs > 0;

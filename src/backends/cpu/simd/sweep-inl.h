@@ -1,6 +1,7 @@
 // Stage `sweep`: tests rows, one by one, against their columns, in 16-bit lanes. A row is a member of a sorted leaf
 // (small set of triangles); its columns are the rows that the sweep tests it with, whose intervals along the sweep
-// direction may overlap the row's (stages/sort.h). Each row's candidates are padded to a multiple of four.
+// direction may overlap the row's (stages/sort.h). Each row's candidates are padded to a multiple of
+// CandidateChunk::group.
 
 #if defined(CRUMPLE_CPU_SIMD_SWEEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef CRUMPLE_CPU_SIMD_SWEEP_INL_H_
@@ -27,7 +28,7 @@ inline std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t
     const std::int32_t* HWY_RESTRICT begins = leaf.begin.empty() ? nullptr : leaf.begin.data();
 
     out.dummy = dummy;
-    const std::int64_t columns = out.columns, first_row = out.rows;
+    const std::int64_t columns = out.columns, first_row = out.rows, group = out.group;
     std::uint16_t* HWY_RESTRICT column = out.column.data();
     std::uint16_t* HWY_RESTRICT rows = out.row.data();
     std::int64_t count = out.count, pairs = out.pairs;
@@ -39,7 +40,7 @@ inline std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t
         count = sweep_row(boxes, row, begin, end, columns, column, count);
         pairs += count - first;
         for (int k = 0; k < 4; ++k) column[count + k] = dummy;
-        count = (count + 3) & ~std::int64_t{3};
+        count = (count + group - 1) & -group;
         const auto this_row = hn::Set(d, static_cast<std::uint16_t>(row - first_row));
         for (std::int64_t i = first; i < count; i += lanes) hn::StoreU(this_row, d, rows + i);
     }

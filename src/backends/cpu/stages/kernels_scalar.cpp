@@ -101,7 +101,7 @@ std::int64_t sweep(const SortedLeaf& leaf, std::int64_t row, std::int64_t last, 
             if (!apart && !(leaf.lower[row] & leaf.lower[j])) add(row, j - out.columns);
         }
         out.pairs += count - first;
-        while (count % 4) add(row, dummy);
+        while (count % out.group) add(row, dummy);
     }
     while (count % 16) add(out.rows, dummy);
     out.count = count;

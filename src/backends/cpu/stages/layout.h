@@ -7,7 +7,7 @@
 //   align       one leaf         -> LeafFrame; the query's `build` computes Boxes in it, along with its own records
 //   sort        Boxes            -> SortedLeaf: by start along the leaf's first axis, boxes in 16 bits; and the row of
 //                                   each member, for the query's records
-//   sweep       SortedLeaf       -> CandidateChunk: pairs whose boxes overlap, in groups of four
+//   sweep       SortedLeaf       -> CandidateChunk: pairs whose boxes overlap, grouped by row
 //   narrow      CandidateChunk   -> rows of a result, by kind of query
 //
 // A leaf is a small set of triangles, its members, that one sweep searches. After `sort`, each member has a row. If the
@@ -129,9 +129,10 @@ void for_each_dummy(const SortedLeaf& leaf, Visit visit) {
     for (std::int64_t row = leaf.rows - 1; row < leaf.rows + padding; ++row) visit(row);
 }
 
-/// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Aligned groups of four have the
-/// same row; the block's dummy fills the gaps. `count` is a multiple of 16.
+/// Candidate pairs: row[i] against column[i], as offsets from `rows` and `columns`. Aligned groups of `group` entries
+/// have the same row; the block's dummy fills the gaps. `count` is a multiple of 16.
 struct CandidateChunk {
+    int group = 4;                       ///< 1, 2 or 4: number of candidates of one row that `narrow` loads at a time
     std::int64_t rows = 0, columns = 0;  ///< physical position of row 0 and column 0
     std::int64_t count = 0;
     std::int64_t pairs = 0;   ///< number of pairs without padding
