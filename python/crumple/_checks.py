@@ -82,19 +82,7 @@ class CheckItem:
 
 
 class CheckReport:
-    """Report of crumple.check. `str(report)` is the text that the command line prints.
-
-    Attributes
-    ----------
-    findings : int
-        Number of findings; 0: the bodies are sound.
-    items : list of CheckItem
-        All items, also those that are no findings: first those of one body, then those of pairs.
-    bodies : list of dict
-        Properties of each body, with the keys of `crumple check --json`: "name", "closed", "volume", "shells", ...
-    unit : {"um", "mm", "cm", "in", "ft", "m"} or None
-        Unit of all numbers; None: that of the meshes, which state none.
-    """
+    """Report of crumple.check. `str(report)` is the text that the command line prints."""
 
     def __init__(self, report: _core.Check) -> None:
         self._report = report
@@ -105,18 +93,22 @@ class CheckReport:
 
     @property
     def findings(self) -> int:
+        """Number of findings; 0: the bodies are sound."""
         return self._dict["findings"]
 
     @property
     def unit(self) -> str | None:
+        """Unit of all numbers, such as "mm"; None: that of the meshes, which state none."""
         return self._dict["unit"]
 
     @property
     def bodies(self) -> list[dict[str, Any]]:
+        """Properties of each body, with the keys of `crumple check --json`."""
         return self._dict["bodies"]
 
     @cached_property
     def items(self) -> list[CheckItem]:
+        """All items, also those that are no findings: first those of one body, then those of pairs."""
         return [CheckItem(**item) for item in self._dict["items"]]
 
     def to_dict(self) -> dict[str, Any]:
