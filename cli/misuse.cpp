@@ -83,11 +83,11 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app) {
     std::string message = prefix + error.what();
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
         const std::vector<std::string> words = app.remaining(true);  // the error's own text has them in another order
-        message = prefix + fmt::format("not expected: {}", fmt::join(words, " "));
         for (const std::string& word : words) {
             const std::string meant = suggestion(word, command);
-            if (!meant.empty()) return message + meant;
+            if (!meant.empty()) return prefix + "not expected: " + word + meant;
         }
+        message = prefix + fmt::format("not expected: {}", fmt::join(words, " "));
     }
     return message + "; see crumple " + (chosen.empty() ? "" : command.get_name() + " ") + "--help";
 }

@@ -257,7 +257,7 @@ TEST_F(Ranks, progress_prints_each_phase) {
             if (unit == "s" && !contains(step, " of ")) all += step + ",";
         return all;
     };
-    const std::string all = "read,query,input,ids,place,members,room,search,rows,output,write,";
+    const std::string all = "read,query,input,ids,place,members,memory,search,rows,output,write,";
     EXPECT_EQ(steps("detect a.ply"), all);
     EXPECT_EQ(steps("near a.ply --radius 0.1"), all);
     EXPECT_EQ(steps("impacts a.ply a.ply"), all);
