@@ -353,7 +353,7 @@ def statistics_have_phase_times_members_and_bytes_sent():
     mesh = cloth()
     with crumple.mpi.Detector(COMM, **ONE) as detector:
         statistics = detector.find(RankMesh(mesh, round_robin(mesh))).statistics
-        assert list(statistics.phase_milliseconds) == "query input ids place members room search rows output".split()
+        assert list(statistics.phase_milliseconds) == "query input ids place members memory search rows output".split()
         assert 0 < sum(statistics.phase_milliseconds.values()) <= statistics.milliseconds * 1.01
         assert COMM.allreduce(statistics.members) >= len(mesh.faces)
         assert (statistics.bytes_sent > 0) == (COMM.size > 1)
