@@ -85,9 +85,9 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app) {
         const std::vector<std::string> words = app.remaining(true);  // the error's own text has them in another order
         for (const std::string& word : words) {
             const std::string meant = suggestion(word, command);
-            if (!meant.empty()) return prefix + "not expected: " + word + meant;
+            if (!meant.empty()) return fmt::format("{}not expected: {}{}", prefix, word, meant);
         }
-        message = prefix + fmt::format("not expected: {}", fmt::join(words, " "));
+        message = fmt::format("{}not expected: {}", prefix, fmt::join(words, " "));
     }
     return message + "; see crumple " + (chosen.empty() ? "" : command.get_name() + " ") + "--help";
 }
