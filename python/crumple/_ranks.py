@@ -42,7 +42,7 @@ class LocalMesh:
         return mesh_of(self.mesh)
 
     def _borrow(self, ranks: _mpi.Detector, mesh: Mesh) -> Any:
-        return _mpi.Share(ranks, mesh, self.triangle_ids, self.vertex_ids)
+        return _mpi.LocalMesh(ranks, mesh, self.triangle_ids, self.vertex_ids)
 
 
 class LocalWorld:

@@ -231,7 +231,7 @@ void bind_rank_detector(nb::module_& module) {
                 new (self) DistributedOptions(distributed_options(detector, parts, batch_bytes));
             },
             "detector"_a, "parts"_a.none(), "batch_bytes"_a.none());
-    nb::class_<BorrowedLocalMesh>(module, "Local", "Local mesh of a rank.")
+    nb::class_<BorrowedLocalMesh>(module, "LocalMesh", "Local mesh of a rank.")
         .def(nb::init<const RankDetector&, const nb::tuple&, nb::handle, nb::handle>(), "detector"_a, "mesh"_a,
              "triangle_ids"_a.none(), "vertex_ids"_a.none());
     nb::class_<RankDetector> detector(module, "Detector",

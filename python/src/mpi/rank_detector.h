@@ -40,10 +40,10 @@ class RankDetector {
     /// number, as mpi4py represents it.
     RankDetector(std::uintptr_t communicator, const DistributedOptions& options);
 
-    template <class Share, class Query>
-    typename Query::DistributedResult find(const Share& share, const Query& query);
-    template <class Share, class Query>
-    bool any(const Share& share, const Query& query);
+    template <class Local, class Query>
+    typename Query::DistributedResult find(const Local& local, const Query& query);
+    template <class Local, class Query>
+    bool any(const Local& local, const Query& query);
     /// Call on a rank that has failed, with `exception`, before it could make a call that the other ranks make: all
     /// ranks throw the same Error. If `exception` is not a crumple.Error, this function returns on this rank, and the
     /// caller must raise `exception`; the other ranks throw.
