@@ -133,12 +133,7 @@ std::int32_t index_of(const std::vector<std::string>& names, nb::handle name) {
 nb::tuple check(SharedDetector& detector, const nb::list& parts, nb::handle ignore_below, nb::handle clearance,
                 const nb::list& excluded, nb::handle precision, nb::handle weld, nb::handle triangulation,
                 nb::handle strict, nb::handle unit) {
-    io::ReadOptions options;
-    options.precision = named(precision_names, "precision", precision);
-    options.weld = named(weld_names, "weld", weld);
-    options.triangulation = named(triangulation_names, "triangulation", triangulation);
-    options.strict = flag("strict", strict);
-    options.unit = unit_of(unit);
+    const io::ReadOptions options = read_options(precision, weld, triangulation, strict, unit);
     GivenBodies given(options.strict);
     for (const nb::handle part : parts) {
         std::string name;

@@ -82,6 +82,17 @@ std::vector<To> rows(const ArrayView<Type>& view) {
 
 io::Unit unit_of(nb::handle unit) { return unit.is_none() ? io::Unit::unknown : named(unit_names, "unit", unit); }
 
+io::ReadOptions read_options(nb::handle precision, nb::handle weld, nb::handle triangulation, nb::handle strict,
+                             nb::handle unit) {
+    io::ReadOptions options;
+    options.precision = named(precision_names, "precision", precision);
+    options.weld = named(weld_names, "weld", weld);
+    options.triangulation = named(triangulation_names, "triangulation", triangulation);
+    options.strict = flag("strict", strict);
+    options.unit = unit_of(unit);
+    return options;
+}
+
 nb::object name_of_unit(io::Unit unit) {
     return unit == io::Unit::unknown ? nb::none() : nb::object(nb::str(io::name_of(unit)));
 }
@@ -219,13 +230,8 @@ void bind_files(nb::module_& module) {
         [](nb::handle path, nb::handle precision, nb::handle weld, nb::handle group_property, nb::handle triangulation,
            nb::handle strict, nb::handle unit) {
             const Path from = python::path("path", path);
-            const io::ReadOptions options{named(precision_names, "precision", precision),
-                                          named(weld_names, "weld", weld),
-                                          std::string(text("group_property", group_property)),
-                                          named(triangulation_names, "triangulation", triangulation),
-                                          flag("strict", strict),
-                                          false,
-                                          unit_of(unit)};
+            io::ReadOptions options = read_options(precision, weld, triangulation, strict, unit);
+            options.group_property = text("group_property", group_property);
             io::TriangleMesh mesh;
             {
                 const WithoutGil released;

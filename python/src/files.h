@@ -22,6 +22,10 @@ io::TriangleMesh copy_of(const MeshView& view);
 io::Unit unit_of(nanobind::handle unit);
 nanobind::object name_of_unit(io::Unit unit);
 
+/// Converts the options of reading that all files have. Throws Error if one is invalid.
+io::ReadOptions read_options(nanobind::handle precision, nanobind::handle weld, nanobind::handle triangulation,
+                             nanobind::handle strict, nanobind::handle unit);
+
 /// Converts text to a Python str. Bytes that are not valid UTF-8, as file names may have, become escapes such as \x80.
 nanobind::object to_str(const std::string& text);
 

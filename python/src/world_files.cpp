@@ -40,12 +40,7 @@ nb::object to_numpy(std::vector<Pose>&& poses) {
 nb::tuple read_world(nb::handle path, nb::handle precision, nb::handle weld, nb::handle triangulation,
                      nb::handle strict, nb::handle unit) {
     const Path from = python::path("path", path);
-    io::ReadOptions options;
-    options.precision = named(precision_names, "precision", precision);
-    options.weld = named(weld_names, "weld", weld);
-    options.triangulation = named(triangulation_names, "triangulation", triangulation);
-    options.strict = flag("strict", strict);
-    options.unit = unit_of(unit);
+    const io::ReadOptions options = read_options(precision, weld, triangulation, strict, unit);
     io::WorldMesh world;
     {
         const WithoutGil released;
