@@ -21,6 +21,7 @@ import sys
 import time
 from importlib.metadata import version
 
+import crumple
 import figures
 import igl
 import merge_results
@@ -122,7 +123,7 @@ def main():
         sys.exit(f"overlap_parts_python.py: no case is named {' or '.join(names)}, or its files are missing")
     show(rows)
     if arguments.json:
-        versions = {name: version(name) for name in ("crumple", "libigl", "trimesh", "numpy")}
+        versions = {"crumple": crumple.__version__} | {name: version(name) for name in ("libigl", "trimesh", "numpy")}
         run = {"threads": arguments.threads, "load_at_start": load, "load_at_end": os.getloadavg()[0], "rows": rows}
         figures.write(arguments.json, {**merge_results.origin(), "versions": versions, "runs": [run]})
 
