@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures crumple against its peers and alone, prints tables, and writes the figures to benchmarks/results/NAME.json.
 #   scripts/bench.sh [--quick] [NAME]
-# NAME is the host name by default. A full run takes some 25 minutes on two cores, and prints its duration at the end.
+# NAME is the host name by default. A full run takes 25 to 55 minutes on two cores, and prints its duration at the end.
 # --quick takes under two minutes once everything is built: it checks that everything works, but its figures are rough.
 # Installs missing packages (Debian 12; Python peers into build-bench/python) and builds first. Real scenes come from
 # $CRUMPLE_DATA or ../shared/data beside the checkout; without them, procedural scenes are measured.

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[3]
-COMMITTED = TOP / "benchmarks/results/xeon-2-threads.json"
+COMMITTED = TOP / "benchmarks/results/epyc-2-threads.json"
 # Folder of figures from a GPU, beside the committed figures. Its name is made of the device and the driver's version.
 DEVICE = "h200-580.159"
 

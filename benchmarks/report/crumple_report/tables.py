@@ -127,12 +127,13 @@ def prefix_sum(results):
 
 @block("simd", studies=["simd"])
 def simd(results):
+    """Makes a table of times: a column for each instruction set that the machine has."""
     names = {"avx512": "AVX-512", "avx2": "AVX2", "sse4": "SSE4", "scalar": "scalar"}
-    rows = []
-    for figure in results.study("simd"):
-        values = {value["value"]: value["milliseconds"] for value in figure["values"]}
-        rows.append([scene(figure["workload"]), *(ms(values[name]) for name in names)])
-    return table(["", *names.values()], rows)
+    rows = [(scene(figure["workload"]), {value["value"]: value["milliseconds"] for value in figure["values"]})
+            for figure in results.study("simd")]
+    measured = [name for name in names if name in rows[0][1]]
+    return table(["", *(names[name] for name in measured)],
+                 [[title, *(ms(times[name]) for name in measured)] for title, times in rows])
 
 
 @block("option")
