@@ -21,7 +21,7 @@ struct Peer {
 const std::vector<Peer> peers_built{
 #ifdef CRUMPLE_PEER_CGAL
     {"cgal", "CGAL", CRUMPLE_CGAL_VERSION, "float64", "one or all",
-     "whole answer, exact; degenerate triangles only as such; manifold meshes, others are repaired before",
+     "whole result, exact; degenerate triangles only as such; manifold meshes, others are repaired before",
      cgal_contestants},
 #endif
 #ifdef CRUMPLE_PEER_CGAL_BOX

@@ -14,7 +14,7 @@ def arrays(folder, which=""):
 class LibiglSelf:
     name, question, computes = "libigl", "self", "exact pairs"
     package, scalar = "libigl", "float64, exact"
-    describes = "whole answer, exact, by CGAL's kernel"
+    describes = "whole result, exact, by CGAL's kernel"
     ways = [("", 1), ("", 0)]
 
     def __init__(self, folder, way):

@@ -13,7 +13,7 @@ class MeshLib:
 
     name, question, computes = "MeshLib", "self", "pairs, float32"
     package, scalar = "meshlib", "float32"
-    describes = "whole answer for the mesh rounded to float32; touching is included in one mesh, left out between two"
+    describes = "whole result for the mesh rounded to float32; touching is included in one mesh, left out between two"
     ways = [("", 1), ("", 0)]
 
     def __init__(self, folder, way):

@@ -68,7 +68,7 @@ def contest_bars(results, theme, question):
     high = max(ax.get_xlim()[1] for ax in axes[:, 0])
     for ax in axes[:, 0]:
         ax.set_xlim(low, high)
-    axes[-1, 0].set_xlabel("ms (log); strong: whole answer, pale: boxes only")
+    axes[-1, 0].set_xlabel("ms (log); strong: whole result, pale: boxes only")
     return figure
 
 
