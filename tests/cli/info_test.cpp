@@ -1,3 +1,7 @@
+#include <array>
+#include <random>
+#include <set>
+
 #include <nlohmann/json.hpp>
 
 #include "run.h"
@@ -153,6 +157,38 @@ TEST_F(Info, degenerate_and_duplicated_triangles_are_listed) {
     EXPECT_TRUE(contains(out, "degenerate triangles  3 (3, 4, 5)\n")) << out;
     EXPECT_TRUE(contains(out, "duplicated triangles  3 (1, 2, 7)\n")) << out;
     EXPECT_TRUE(contains(out, "non-manifold edges    1\n")) << out;
+}
+
+TEST_F(Info, duplicates_are_those_of_brute_force_and_0_equals_minus_0) {
+    const std::array<std::string, 4> coordinates{"0", "-0", "1", "2"};
+    std::mt19937 random(7);
+    const auto any_of_four = [&] { return random() % 4; };
+    std::string off = "OFF\n6000 2000 0\n", faces;
+    std::set<std::multiset<std::array<int, 3>>> seen;
+    std::vector<int> expected;
+    for (int t = 0; t < 2000; ++t) {
+        std::multiset<std::array<int, 3>> corners;
+        for (int corner = 0; corner < 3; ++corner) {
+            std::array<int, 3> position{};
+            for (int& x : position) {
+                const std::string& text = coordinates[any_of_four()];
+                off += text + ' ';
+                x = std::stoi(text);
+            }
+            off += '\n';
+            corners.insert(position);
+        }
+        faces +=
+            "3 " + std::to_string(3 * t) + ' ' + std::to_string(3 * t + 1) + ' ' + std::to_string(3 * t + 2) + '\n';
+        if (!seen.insert(corners).second) expected.push_back(t);
+    }
+    write("random.off", off + faces);
+    EXPECT_GT(expected.size(), 100u);
+    EXPECT_LT(expected.size(), 1900u);
+    for (const std::string precision : {"float32", "float64"}) {
+        const auto json = nlohmann::json::parse(crumple("info random.off --json --precision " + precision).out);
+        EXPECT_EQ(json["bodies"][0]["duplicated_triangles"], expected);
+    }
 }
 
 TEST_F(Info, degeneracy_is_decided_exactly) {
