@@ -42,13 +42,15 @@ std::string describe(const io::TriangleMesh& mesh, const Edge& edge) {
 std::optional<BoundingBox> box_of(const io::TriangleMesh& mesh) {
     if (mesh.vertex_count() == 0) return std::nullopt;
     BoundingBox box{point_of(mesh, 0), point_of(mesh, 0)};
-    for (std::int32_t v = 1; v < mesh.vertex_count(); ++v) {
-        const Point p = point_of(mesh, v);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            box.low[axis] = std::min(box.low[axis], p[axis]);
-            box.high[axis] = std::max(box.high[axis], p[axis]);
-        }
-    }
+    std::visit(
+        [&](const auto& xyz) {
+            for (std::size_t i = 0; i < xyz.size(); i += 3)
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    box.low[axis] = std::min(box.low[axis], double{xyz[i + axis]});
+                    box.high[axis] = std::max(box.high[axis], double{xyz[i + axis]});
+                }
+        },
+        mesh.vertices);
     return box;
 }
 
@@ -70,15 +72,17 @@ BodyReport::BodyReport(const io::TriangleMesh& mesh, bool lists_open_edges)
       triangles(mesh.triangle_count()),
       precision(mesh.precision() == ScalarType::float32 ? "float32" : "float64"),
       box(box_of(mesh)) {
-    // Runs the two slowest reports in threads of their own.
+    // Runs the slowest reports in two threads of their own.
     auto finds_duplicated = std::async(std::launch::async, [&] { return duplicated_triangles(mesh); });
-    auto reports_edges = std::async(std::launch::async, [&] { return report_edges(mesh); });
+    auto reports_edges = std::async(std::launch::async, [&] {
+        edges = report_edges(mesh);
+        if (has_inside()) volume = signed_volume(mesh);
+    });
     degenerate = degenerate_triangles(mesh);
     components = label_components(mesh, labels);
-    edges = reports_edges.get();
+    reports_edges.get();
     duplicated = finds_duplicated.get();
     if (lists_open_edges) listed = open_edges(mesh.view());
-    if (has_inside()) volume = signed_volume(mesh);
 }
 
 nlohmann::json json_of(const io::TriangleMesh& mesh, const Edge& edge) {
