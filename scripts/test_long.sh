@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Runs tests that together take an hour or more, which .ci/run leaves out: the usual tests with more random cases, the
-# kernels' PTX for each generation of devices, clang-tidy's path analyzer, and the fuzz targets. Prints a table of figures
-# for docs/fuzzing.md.
+# Runs tests that together take an hour or more, which .ci/run leaves out: the usual tests with more random cases, 64-bit
+# Arm under qemu, the kernels' PTX for each generation of devices, clang-tidy's path analyzer, and the fuzz targets. Prints
+# a table of figures for docs/fuzzing.md.
 #   scripts/test_long.sh [READS [SEARCHES [WORLDS [OVERLAPS [FEATURES]]]]]
 # The arguments are the numbers of inputs of the fuzz targets: by default 10 million for READS, 10,000 for FEATURES, which are
 # slow, and 1 million for each other one.
@@ -31,6 +31,9 @@ ctest --preset release -C nvcc -L nvcc -j "$(nproc)"
 
 # Compares the overlaps of a million pairs of small bodies with rational arithmetic; docs/overlap.md shows the output.
 CRUMPLE_ROUNDS=4000 build/tests/overlaps/overlaps_test --gtest_brief=1 --gtest_filter='OverlapSmallCases.*'
+
+# Tests the NEON kernels on an emulated 64-bit Arm processor.
+scripts/test_arm64.sh
 
 # Tests the emulated CUDA device itself, which .ci/run tests only if its files have changed.
 cuda_on_cpu/test.sh
