@@ -5,7 +5,7 @@
 #define CRUMPLE_VERSION_MAJOR 0
 #define CRUMPLE_VERSION_MINOR 3
 #define CRUMPLE_VERSION_PATCH 0
-#define CRUMPLE_VERSION_SUFFIX ".dev0"
+#define CRUMPLE_VERSION_SUFFIX ""
 
 #define CRUMPLE_TEXT_OF_(macro) CRUMPLE_TEXT_(macro)
 #define CRUMPLE_TEXT_(text) #text
