@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds fuzz targets and runs them, all at once, on seeds and on inputs that earlier runs have found (docs/fuzzing.md).
 #   scripts/fuzz.sh readers|search|features|worlds|overlaps... [options of libFuzzer, such as -max_total_time=60 or -runs=1000000]
-# The build is that of the tests under AddressSanitizer, in build-address. The output of the targets is in build-fuzz: NAME.log,
+# Builds in build-address, as for the tests under AddressSanitizer. The output of the targets is in build-fuzz: NAME.log,
 # corpus/NAME, artefacts/NAME. Prints inputs that fail, also as base64.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -14,7 +14,7 @@ fi
 
 scripts/install_dependencies.sh --tests --fuzz
 . scripts/ccache.sh
-cmake --preset address >/dev/null
+cmake --preset address -DCRUMPLE_FUZZ=ON >/dev/null
 mkdir -p build-fuzz
 cmake --build --preset address -j "$(nproc)" --target "${names[@]/#/fuzz_}" >build-fuzz/build.log || {
     grep -v '^\[' build-fuzz/build.log
