@@ -296,8 +296,8 @@ def rows_of(name, robots, spheres, problems, sets):
     yield Row(f"{name}, two threads, wall clock", ours(2), alone, turns, both, a_turn=count, clock=clock)
 
 
-def motions_of(robot, problems, count, step=0.05, fine=0.001):
-    """Returns a row about motions: collides_between, against `collides` at configurations that are a step (radians) apart."""
+def motions_of(robot, problems, count, steps=(0.05, 0.1, 0.2), fine=0.001):
+    """Returns rows about motions: collides_between, against `collides` at configurations that are a step (radians) apart."""
     random = np.random.default_rng(2)
     starts = random.uniform(*robot.limits, size=(count, len(robot.variables)))
     ends = starts + random.normal(size=starts.shape) * 0.3
@@ -312,7 +312,7 @@ def motions_of(robot, problems, count, step=0.05, fine=0.001):
         hits = robot.collides(starts[of] + share[:, None] * (ends - starts)[of], obstacles[turn])
         return np.logical_or.reduceat(hits, first)
 
-    def compare(_):
+    def compare(step):
         total = differ = found = missed = 0
         for turn in range(len(problems)):
             ours = robot.collides_between(starts, ends, obstacles[turn])
@@ -328,8 +328,9 @@ def motions_of(robot, problems, count, step=0.05, fine=0.001):
 
     name = f"{count * len(problems):,} motions of 0.8 radians, tolerance 1 mm"
     ours = lambda turn: robot.collides_between(starts, ends, obstacles[turn])  # noqa: E731
-    theirs = {f"crumple, steps of {step}": lambda turn: by_steps(turn, step, np.arange(count))}
-    return Row(name, ours, theirs, len(problems), compare, a_turn=count)
+    for step in steps:
+        theirs = {f"crumple, steps of {step}": lambda turn, step=step: by_steps(turn, step, np.arange(count))}
+        yield Row(name, ours, theirs, len(problems), lambda _, step=step: compare(step), a_turn=count)
 
 
 def main():
@@ -363,7 +364,7 @@ def main():
         (f"{len(chosen) * BETWEEN:,} configurations of {len(chosen)} problems", chosen, motions),
     ):
         figures += [judge(row, rounds) for row in rows_of(name, robots, spheres, problems, sets)]
-    figures.append(judge(motions_of(robot, first, 50 if arguments.quick else 1000), rounds))
+    figures += [judge(row, rounds) for row in motions_of(robot, first, 50 if arguments.quick else 1000)]
     show(figures)
     print(f"load {os.getloadavg()[0]:.1f} at the end")
     if arguments.json:
