@@ -39,6 +39,7 @@ scripts/test_arm64.sh
 cuda_on_cpu/test.sh
 
 # Runs all tests with threads under ThreadSanitizer, those of the cuda backend on the emulated device, too.
+scripts/install_dependencies.sh --tests --mpi --ci
 cmake --preset thread -DCRUMPLE_EMULATED_DEVICE=ON
 cmake --build --preset thread --target crumple_tests
 ctest --preset thread -j "$(nproc)" --no-tests=error -L threads
@@ -66,7 +67,6 @@ fi
 
 # The analyzer examines only functions that the given source file itself defines, not those of sources that a unity file
 # includes, so unity builds are off. StackAddressEscape takes Boost's rational numbers for references that dangle.
-scripts/install_dependencies.sh --tests --mpi --ci
 cmake --preset tidy -DCRUMPLE_MPI=ON -DCRUMPLE_UNITY=OFF >/dev/null
 run-clang-tidy -quiet -p build-tidy -checks='-*,clang-analyzer-*,-clang-analyzer-core.StackAddressEscape'
 
