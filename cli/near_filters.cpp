@@ -34,25 +34,33 @@ std::vector<double> read_radii(const std::string& path, std::int64_t vertices) {
 
 std::vector<std::string> NearFilterOptions::files() const { return {radii, rest}; }
 
-void add_near_filter_options(CLI::App& app, NearFilterOptions& options) {
+std::vector<const CLI::Option*> add_near_filter_options(CLI::App& app, NearFilterOptions& options) {
     app.add_option("--radii", options.radii,
                    "Instead of --radius: a file with a radius for each vertex, one per line. The radius of an edge or "
                    "a face is the largest of its vertices' radii. Features are near if their distance is at most the "
                    "sum of both radii")
         ->type_name("FILE");
-    app.add_option("--rings", options.rings,
-                   "Leave out neighbours: features that a path of at most N edges joins, from a vertex of one to a "
-                   "vertex of the other. 0, the default: features with a common vertex")
-        ->type_name("N")
-        ->check(integer(0, std::numeric_limits<std::int32_t>::max()));
-    app.add_option("--rest", options.rest,
-                   "The rest shape of the mesh, with the same triangles: features within --rest-radius of each other "
-                   "there are left out")
-        ->type_name("FILE");
-    add_number_option(
-        app, "--rest-radius", [&options](double value) { options.rest_radius = value; }, any_distance,
-        "Radius for --rest; 0, the default: features that touch in the rest shape")
-        ->type_name("R");
+    CLI::Option* const rings =
+        app.add_option("--rings", options.rings,
+                       "Leave out neighbours: features that a path of at most N edges joins, from a vertex of one to a "
+                       "vertex of the other. 0, the default: features with a common vertex")
+            ->type_name("N")
+            ->check(integer(0, std::numeric_limits<std::int32_t>::max()));
+    CLI::Option* const rest =
+        app.add_option("--rest", options.rest,
+                       "The rest shape of the mesh, with the same triangles: features within --rest-radius of each "
+                       "other there are left out")
+            ->type_name("FILE");
+    CLI::Option* const rest_radius =
+        add_number_option(
+            app, "--rest-radius", [&options](double value) { options.rest_radius = value; }, any_distance,
+            "Radius for --rest; 0, the default: features that touch in the rest shape")
+            ->type_name("R");
+    return {rings, rest, rest_radius};
+}
+
+QueryOptions near_reading(const NearFilterOptions& options, const QueryOptions& query_options) {
+    return with_lines_and_points(options.rest.empty() ? query_options : reading_of_motion(query_options));
 }
 
 NearFilters::NearFilters(const NearFilterOptions& options, InputMeshes& input, const QueryOptions& query_options)

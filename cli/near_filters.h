@@ -1,7 +1,7 @@
 #pragma once
 
-// Options of crumple near besides a single radius: a radius for each vertex (--radii), a wider adjacency, counted in
-// edges (--rings), and a rest shape, whose near pairs are left out (--rest).
+// Options of crumple near and crumple verify besides a single radius: a radius for each vertex (--radii), a wider
+// adjacency, counted in edges (--rings), and a rest shape, whose near pairs are left out (--rest).
 
 #include <string>
 #include <vector>
@@ -19,8 +19,11 @@ struct NearFilterOptions {
     /// Returns the names of the two files that are read; a name is empty if its option is absent.
     std::vector<std::string> files() const;
 };
-/// Adds `--radii`, `--rest`, `--rest-radius` and `--rings`.
-void add_near_filter_options(CLI::App& app, NearFilterOptions& options);
+/// Adds `--radii`, `--rest`, `--rest-radius` and `--rings`. Returns those that limit the pairs: all but `--radii`.
+std::vector<const CLI::Option*> add_near_filter_options(CLI::App& app, NearFilterOptions& options);
+
+/// Returns how the input of a near query with these options is read.
+QueryOptions near_reading(const NearFilterOptions& options, const QueryOptions& query_options);
 
 /// Contents of the files that these options name. Queries refer to this object, which must outlive them.
 class NearFilters {

@@ -48,11 +48,12 @@ ProximityQuery NearOptions::query(const QueryOptions& query_options, Output outp
     return query;
 }
 
-void add_below_option(CLI::App& app, NearOptions& options) {
-    app.add_flag("--below", options.below, "Features are near if their distance is below the radius, not equal to it");
+CLI::Option* add_below_option(CLI::App& app, NearOptions& options) {
+    return app.add_flag("--below", options.below,
+                        "Features are near if their distance is below the radius, not equal to it");
 }
 
-void refuse_beside_features(const char* option_of_features, const QueryOptions& query_options) {
+void refuse_beside_features(const std::string& option_of_features, const QueryOptions& query_options) {
     const auto refuse_with = [&](const char* option, bool given) {
         if (given) refuse(std::string(option) + " does not go with " + option_of_features);
     };

@@ -32,11 +32,11 @@ struct NearOptions {
     ProximityQuery query(const QueryOptions& query_options, Output output) const;
 };
 /// Adds `--below`.
-void add_below_option(CLI::App& app, NearOptions& options);
+CLI::Option* add_below_option(CLI::App& app, NearOptions& options);
 
 /// Throws Error (invalid_argument) if an option is given that applies to colliding triangles only.
 /// `option_of_features`: the option with which it conflicts, such as "--impacts", for the message.
-void refuse_beside_features(const char* option_of_features, const QueryOptions& query_options);
+void refuse_beside_features(const std::string& option_of_features, const QueryOptions& query_options);
 
 /// Returns the options for a query about features: replaces Backend::automatic by the cpu backend.
 Options feature_options(Options options);

@@ -44,8 +44,7 @@ struct NearCommand : SearchCommand {
         SearchSession search(query_options, feature_options(options));
         const Steps steps(progress);
         steps.begin("read");
-        const QueryOptions reading =
-            with_lines_and_points(filters.rest.empty() ? query_options : reading_of_motion(query_options));
+        const QueryOptions reading = near_reading(filters, query_options);
         InputMeshes input = read_input(files, reading);
         const NearFilters given(filters, input, reading);
         ProximityQuery query = near.query(query_options, output());

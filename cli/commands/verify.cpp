@@ -95,8 +95,8 @@ Command add_verify(CLI::App& app) {
                     "One mesh or two, then a list of pairs in any order: a .csv, .json or .npz as detect -o writes it, "
                     "a .npy, or text, of which the first two integers of each line are read. One of the files may be "
                     "-, standard input. With --impacts: START, END and a list of impacts; with --candidates: START, "
-                    "optionally END, and a list of candidates; with --radius: one mesh or two, and a list of near "
-                    "pairs; with --overlaps: any number of files of bodies, and a list of overlaps")
+                    "optionally END, and a list of candidates; with --radius or --radii: one mesh or two, and a list "
+                    "of near pairs; with --overlaps: any number of files of bodies, and a list of overlaps")
         ->type_name("FILE [FILE_B] PAIRS")
         ->required()
         ->expected(2, std::numeric_limits<int>::max());

@@ -132,8 +132,12 @@ int verify_near(const FeatureCheck& check, const std::vector<std::string>& files
     const io::FeatureList list = read_list(
         files.back(), format, two_files, [](const auto& path) { return io::read_near(path); },
         [](auto& in, const auto& name) { return io::read_near(in, name); });
-    const InputMeshes input = read_input({files.begin(), files.end() - 1}, with_lines_and_points(query_options));
-    const Proximities& found = search.find(input, check.near.query(query_options, Output::pairs));
+    const QueryOptions reading = near_reading(check.filters, query_options);
+    InputMeshes input = read_input({files.begin(), files.end() - 1}, reading);
+    const NearFilters given(check.filters, input, reading);
+    ProximityQuery query = check.near.query(query_options, Output::pairs);
+    given.apply(query);
+    const Proximities& found = search.find(input, query);
     return print_verdict(list, io::list_of(found), of_near, two_files);
 }
 
@@ -141,13 +145,15 @@ int verify_near(const FeatureCheck& check, const std::vector<std::string>& files
 
 bool FeatureCheck::is_requested(const QueryOptions& query_options) const {
     if (motion.any() && !impacts) refuse("--min-distance, --min-distance-share and --approaching-only need --impacts");
-    if (near.below && !near.radius) refuse("--below needs --radius");
+    for (const CLI::Option* const option : of_near)
+        if (*option && !near_pairs()) refuse(option->get_name() + " needs --radius or --radii");
     for (const CLI::Option* const option : of_candidates)
         if (*option && !candidates) refuse(option->get_name() + " needs --candidates");
-    if (impacts + candidates + near.radius.has_value() > 1)
-        refuse("--impacts, --candidates and --radius exclude each other");
-    if (!impacts && !candidates && !near.radius) return false;
-    refuse_beside_features(impacts ? "--impacts" : candidates ? "--candidates" : "--radius", query_options);
+    const std::string of_lists = near.radius ? "--radius" : "--radii";
+    if (impacts + candidates + near_pairs() > 1)
+        refuse("--impacts, --candidates and " + of_lists + " exclude each other");
+    if (!any()) return false;
+    refuse_beside_features(impacts ? "--impacts" : candidates ? "--candidates" : of_lists, query_options);
     return true;
 }
 
@@ -160,19 +166,23 @@ void add_feature_check_options(CLI::App& app, FeatureCheck& check) {
                  "The list has candidates, as crumple impacts --candidates writes it; the other files are START and "
                  "optionally END");
     check.of_candidates = add_candidate_options(app, check.candidate_options, "--candidates");
-    add_number_option(
+    CLI::Option* const radius = add_number_option(
         app, "--radius", [&check](double value) { check.near.radius = value; }, any_distance,
         "The list has near pairs within this radius, as crumple near --radius writes it. Besides missed and false "
-        "pairs, reports squared distances that are far (too large) or close (too small)")
-        ->type_name("R");
-    add_below_option(app, check.near);
+        "pairs, reports squared distances that are far (too large) or close (too small)");
+    radius->type_name("R");
+    check.of_near = add_near_filter_options(app, check.filters);
+    check.of_near.push_back(add_below_option(app, check.near));
+    radius->excludes("--radii");
 }
 
 int verify_features(const FeatureCheck& check, const std::vector<std::string>& files, const std::string& format,
                     const QueryOptions& query_options, const Options& options) {
     if (check.impacts && files.size() != 3) refuse("verify --impacts takes START, END and a list");
     SearchSession search(query_options, feature_options(options));
-    check_standard_input(files);
+    std::vector<std::string> inputs = files;
+    for (const std::string& file : check.filters.files()) inputs.push_back(file);
+    check_standard_input(inputs);
     if (check.impacts) return verify_impacts(check, files, format, query_options, search);
     if (check.candidates) return verify_candidates(check, files, format, query_options, search);
     return verify_near(check, files, format, query_options, search);

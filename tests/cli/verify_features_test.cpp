@@ -69,6 +69,19 @@ TEST_F(VerifyFeatures, wrong_distances_are_listed_as_far_or_close) {
               "wrong: 0 near pairs, 0 missed, 1 false, 0 far, 0 close, 0 repeated\nfalse vf 3 0 1\n");
 }
 
+TEST_F(VerifyFeatures, near_pairs_can_be_limited_by_radii_rings_and_a_rest_shape) {
+    write("radii.txt", "0.75\n0.75\n0.75\n0.75\n0.75\n0.75\n");
+    ASSERT_EQ(crumple("near above.off --radii radii.txt -o list.txt").status, 0);
+    EXPECT_TRUE(crumple("verify --radii radii.txt above.off list.txt").out.starts_with("right: 5 near pairs"));
+    EXPECT_TRUE(crumple("verify --radius 1.5 --rings 1 above.off list.txt").out.starts_with("right: 5 near pairs"));
+    write("radii.txt", "0.5\n0.5\n0.5\n0.5\n0.5\n0.5\n");
+    EXPECT_EQ(crumple("verify --radii radii.txt above.off list.txt").status, 1);
+    write("list.txt", "");
+    EXPECT_TRUE(crumple("verify --radius 1.5 --rest above.off --rest-radius 1.5 above.off list.txt")
+                    .out.starts_with("right: 0 near pairs"));
+    EXPECT_EQ(crumple("verify --radius 1.5 --rest above.off above.off list.txt").status, 1);
+}
+
 TEST_F(VerifyFeatures, rows_and_vertices_can_have_any_order) {
     ASSERT_EQ(crumple("near above.off --radius 1.5 -o list.txt").status, 0);
     write("list.txt", "ee 3 4 2 0 2\nee 5 3 0 1 2\nee 0 1 3 4 2\nvf 3 0 1\nee 0 2 3 5 2\n");
@@ -111,7 +124,13 @@ TEST_F(VerifyFeatures, wrong_arguments_are_refused) {
     expect_refused("verify --candidates above.off list.txt", "list.txt, line 1: unexpected '0.5' after the last value");
     expect_refused("verify --min-distance 1 above.off list.txt",
                    "--min-distance, --min-distance-share and --approaching-only need --impacts");
-    expect_refused("verify --below above.off list.txt", "--below needs --radius");
+    expect_refused("verify --below above.off list.txt", "--below needs --radius or --radii");
+    expect_refused("verify --rings 1 above.off list.txt", "--rings needs --radius or --radii");
+    expect_refused("verify --impacts --rest above.off above.off below.off list.txt",
+                   "--rest needs --radius or --radii");
+    expect_refused("verify --radius 1 --radii list.txt above.off list.txt", "--radius excludes --radii");
+    expect_refused("verify --radii list.txt above.off below.off two.txt", "--radii does not support two meshes");
+    expect_refused("verify --radii list.txt above.off list.txt --polygons", "--polygons does not go with --radii");
     expect_refused("verify --impacts above.off below.off two.txt", "ids of one mesh must have no file number");
     expect_refused("verify --radius 1 above.off below.off list.txt", "ids of two files must be 0:ID or 1:ID");
     expect_refused("verify --radius 1 above.off list.txt --format json", "--format is for a list from standard input");
