@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -319,6 +320,22 @@ TEST_F(KnownContainments, pose_that_makes_a_degenerate_body_infinite_is_an_error
         const OverlapQuery query{.self_overlaps = true};
         EXPECT_EQ(error_of([&] { detector->find(World{shapes, bodies, poses}, query); }).code, ErrorCode::not_finite);
     }
+}
+
+TEST_F(KnownContainments, errors_in_a_shape_name_the_first_body_that_has_it) {
+    const ContainedSoup good = cube(0, 0, 0, 2);
+    ContainedSoup infinite = cube(1, 0, 0, 2), wrong = infinite;
+    infinite.vertices[3][1] = std::numeric_limits<double>::infinity();
+    wrong.triangles[5][1] = 8;
+    const std::array bodies{Body{.shape = 0}, Body{.shape = 0}, Body{.shape = 1}, Body{.shape = 1}};
+    for (const auto& [bad, message] :
+         {std::pair(&infinite, "body 2: vertex 3 is not finite"), {&wrong, "body 2: triangle 5 names vertex 8 of 8"}})
+        for (Detector* detector : {&cpu_, &reference_}) {
+            const std::array shapes{Shape(good.view()), Shape(bad->view())};
+            const World world{shapes, bodies, {}};
+            EXPECT_STREQ(error_of([&] { detector->find(world, OverlapQuery()); }).what(), message);
+            EXPECT_STREQ(error_of([&] { detector->find(world, with_containment()); }).what(), message);
+        }
 }
 
 TEST_F(KnownContainments, rows_follow_the_order_of_bodies) {

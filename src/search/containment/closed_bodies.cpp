@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <string>
 
+#include "crumple/error.h"
 #include "scene/world_scene.h"
 
 namespace crumple {
@@ -35,11 +37,26 @@ void ClosedBodies::read_surfaces(ParallelFor& workers, bool weld) {
         cancellation_.check();
         if (!surfaces_[s]) surfaces_[s] = std::make_unique<Surface>(&meter_);
         Surface& surface = *surfaces_[s];
-        const PreparedScene scene =
-            prepare_scene(MeshView(shapes[s].vertices, shapes[s].triangles), nullptr, weld, workers, buffers_);
+        const PreparedScene scene = prepare_shape(s, weld, workers);
         surface.closed.prepare(scene, workers);
         surface.empty = shapes[s].triangles.rows == 0;
         surface.box = CentredBox({scene.low, scene.high});
+    }
+}
+
+// Validates a shape. Errors name the first body that has it.
+PreparedScene ClosedBodies::prepare_shape(std::size_t s, bool weld, ParallelFor& workers) {
+    const World& world = outline_.world();
+    const Shape& shape = world.shapes[s];
+    try {
+        return prepare_scene(MeshView(shape.vertices, shape.triangles), nullptr, weld, workers, buffers_);
+    } catch (const Error& error) {
+        const auto body = std::find_if(world.bodies.begin(), world.bodies.end(),
+                                       [&](const Body& of) { return of.shape == static_cast<std::int32_t>(s); });
+        const std::string name = body == world.bodies.end()
+                                     ? "shape " + std::to_string(s) + ": "
+                                     : WorldOutline::name(static_cast<std::int32_t>(body - world.bodies.begin()));
+        throw Error(error.code, name + error.what(), error.element, error.index);
     }
 }
 

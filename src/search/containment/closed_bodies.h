@@ -70,6 +70,7 @@ class ClosedBodies {
         return *surfaces_[static_cast<std::size_t>(outline_.body(body).shape)];
     }
     void read_surfaces(ParallelFor& workers, bool weld);
+    PreparedScene prepare_shape(std::size_t s, bool weld, ParallelFor& workers);
     bool has_component_in_box(std::int32_t body, std::int32_t other) const;
 
     MemoryMeter& meter_;
