@@ -17,14 +17,17 @@
 namespace crumple::cuda {
 namespace detail {
 
-using SurvivorQueue = ListQueue<Candidate, 96>;
+using SurvivorQueue = ListQueue<Candidate, 160>;
 
 template <class Filter>
 struct WarpShared {
-    SortedRow row[32];
+    // A unit's rows are read by overlaps_of() only, the buffer by test_candidates() only.
+    union {
+        SortedRow row[32];
+        typename Filter::Buffer buffer;
+    };
     WarpQueue<Candidate>::Places candidates;
     SurvivorQueue::Places survivors;
-    typename Filter::Buffer buffer;
 };
 template <int threads, class Filter>
 struct SweepShared {
