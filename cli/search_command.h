@@ -31,7 +31,7 @@ struct NearOptions {
 
     ProximityQuery query(const QueryOptions& query_options, Output output) const;
 };
-/// Adds `--below`.
+/// Adds and returns `--below`.
 CLI::Option* add_below_option(CLI::App& app, NearOptions& options);
 
 /// Throws Error (invalid_argument) if an option is given that applies to colliding triangles only.

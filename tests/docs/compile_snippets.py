@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-# What pages leave to the reader: his mesh, bodies and buffers, and what he does with results.
+# Names that pages leave to the reader: a mesh, bodies, buffers, and functions that use results.
 CONTEXT = """
 #include <array>
 #include <cmath>
@@ -30,7 +30,7 @@ extern double thickness, distance;
 extern std::size_t i;
 template <class... Values> void use(const Values&...);
 """
-# More names, in the snippets of a page. They hide those above.
+# Names in the snippets of one page, which hide those above; a word after the page limits them to snippets with that word.
 OF_PAGE = {
     "cuda.md": "extern void* stream; extern crumple::VertexView next;",
     "distributed.md": """extern crumple::mpi::Detector detector; extern int argc; extern char** argv; extern int level;
@@ -41,7 +41,7 @@ OF_PAGE = {
     "motion.md": """extern std::vector<crumple::Edge> edges; extern std::vector<std::int32_t> points;""",
     "motion.md cut_rigid_motion": "extern std::vector<crumple::Pose> start, end;",
 }
-# Left out: calls of CUDA, which only nvcc compiles, and the compiler bug of nvcc.
+# Matches snippets that are left out: calls of CUDA, which only nvcc compiles, and the compiler bug of nvcc.
 LEFT_OUT = re.compile(r"\bcuda(Stream|Graph)|<<<|\bstruct Expansion\b")
 
 

@@ -338,6 +338,16 @@ TEST_F(KnownContainments, errors_in_a_shape_name_the_first_body_that_has_it) {
         }
 }
 
+TEST_F(KnownContainments, error_in_a_shape_without_a_body_names_the_shape) {
+    const ContainedSoup good = cube(0, 0, 0, 2);
+    ContainedSoup infinite = good;
+    infinite.vertices[0][0] = std::numeric_limits<double>::infinity();
+    const std::array shapes{Shape(good.view()), Shape(infinite.view())};
+    const std::array bodies{Body{.shape = 0}, Body{.shape = 0}};
+    const World world{shapes, bodies, {}};
+    EXPECT_STREQ(error_of([&] { cpu_.find(world, OverlapQuery()); }).what(), "shape 1: vertex 0 is not finite");
+}
+
 TEST_F(KnownContainments, rows_follow_the_order_of_bodies) {
     const ContainedSoup outer = cube(0, 0, 0, 8), left = cube(-2, 0, 0, 2), right = cube(-1, 0, 0, 2);
     const Shape shapes[] = {Shape(left.view()), Shape(outer.view()), Shape(right.view())};
